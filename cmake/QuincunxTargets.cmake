@@ -1,0 +1,56 @@
+# How every target of the tree is made: one function a kind, so that flags are written once.
+
+include_guard()
+
+# Flags that all of our own code is compiled with.
+add_library(quincunx_flags INTERFACE)
+target_compile_features(quincunx_flags INTERFACE cxx_std_20)
+# Numbers must not depend on what the optimizer finds: g++ 12 deletes double(float(x)) roundings when it
+# vectorises neighbouring statements, and contracts a*b + c into one rounding where the machine has fma.
+target_compile_options(quincunx_flags INTERFACE
+  $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>
+  -ffp-contract=off
+  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-tree-slp-vectorize>)
+if(QUINCUNX_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+# quincunx_module(<name> [SOURCES ...] [PUBLIC <targets>...] [PRIVATE <targets>...])
+# A room of common/: the static library quincunx_<name>, from all .cpp files of the folder it is called in.
+function(quincunx_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS "*.cpp")
+  file(GLOB headers CONFIGURE_DEPENDS "*.h")
+  list(APPEND sources ${ARG_SOURCES})
+  if(sources)
+    add_library(quincunx_${name} STATIC ${sources})
+    target_link_libraries(quincunx_${name} PUBLIC quincunx_flags ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+    target_include_directories(quincunx_${name} PUBLIC
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/common> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/quincunx>)
+  else()
+    add_library(quincunx_${name} INTERFACE)
+    target_link_libraries(quincunx_${name} INTERFACE quincunx_flags ${ARG_PUBLIC})
+    target_include_directories(quincunx_${name} INTERFACE
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/common> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/quincunx>)
+  endif()
+  set_property(GLOBAL APPEND PROPERTY QUINCUNX_MODULES quincunx_${name})
+  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/quincunx/${name})
+endfunction()
+
+# quincunx_test(<name> SOURCES ... [LIBRARIES ...] [LABELS ...] [TIMEOUT seconds])
+# A GoogleTest program; each TEST becomes a CTest test of its own.
+function(quincunx_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBRARIES;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} quincunx_test_support GTest::gmock)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()

@@ -1,0 +1,173 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <glad/gl.h>
+#include <glm/glm.hpp>
+
+#include "image/image.h"
+
+/// Owners of GL objects: made whole or not at all, labelled (KHR_debug) so that errors name them, deleted at
+/// the end of their life. Each must die while its context is current.
+namespace quincunx::gl {
+
+/// The name of one GL object of a kind; moves, never copies.
+template <typename Deleter>
+class Handle {
+  public:
+    Handle() = default;
+    explicit Handle(GLuint name) : name_(name) {}
+    Handle(Handle&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+    Handle& operator=(Handle&& other) noexcept {
+        std::swap(name_, other.name_);
+        return *this;
+    }
+    ~Handle() {
+        if (name_ != 0)
+            Deleter{}(name_);
+    }
+    GLuint get() const { return name_; }
+    explicit operator bool() const { return name_ != 0; }
+
+  private:
+    GLuint name_ = 0;
+};
+
+struct DeleteBuffer {
+    void operator()(GLuint name) const;
+};
+struct DeleteVertexArray {
+    void operator()(GLuint name) const;
+};
+struct DeleteTexture {
+    void operator()(GLuint name) const;
+};
+struct DeleteFramebuffer {
+    void operator()(GLuint name) const;
+};
+struct DeleteRenderbuffer {
+    void operator()(GLuint name) const;
+};
+struct DeleteProgram {
+    void operator()(GLuint name) const;
+};
+struct DeleteQuery {
+    void operator()(GLuint name) const;
+};
+
+/// Attaches `label` to an object for the driver's messages, where KHR_debug exists. `identifier`: GL_BUFFER …
+void setLabel(GLenum identifier, GLuint name, std::string_view label);
+
+/// A buffer with contents.
+class Buffer {
+  public:
+    Buffer() = default;
+    /// `target` is where it is first bound (GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GL_UNIFORM_BUFFER …).
+    /// Throws GlError if the device has no room. Binding an element buffer changes the bound vertex array:
+    /// pass it to VertexArray instead.
+    Buffer(std::string_view label, GLenum target, std::span<const std::byte> contents,
+           GLenum usage = GL_STATIC_DRAW);
+    /// Replaces the contents; the size may change.
+    void upload(std::span<const std::byte> contents);
+    GLuint get() const { return handle_.get(); }
+    std::size_t size() const { return size_; }
+
+  private:
+    Handle<DeleteBuffer> handle_;
+    GLenum target_ = GL_ARRAY_BUFFER;
+    GLenum usage_ = GL_STATIC_DRAW;
+    std::size_t size_ = 0;
+};
+
+/// Where vertex attributes come from.
+class VertexArray {
+  public:
+    struct Attribute {
+        GLuint location = 0;
+        GLint components = 3;
+        GLenum type = GL_FLOAT;
+        bool normalized = false;
+        GLsizei strideBytes = 0;
+        std::size_t offsetBytes = 0;
+    };
+    VertexArray() = default;
+    explicit VertexArray(std::string_view label);
+    /// Reads one attribute from `buffer`, which must outlive this.
+    void attribute(const Buffer& buffer, const Attribute& attribute);
+    /// Takes triangle indices from `buffer`, which must outlive this.
+    void indices(const Buffer& buffer);
+    void bind() const;
+    GLuint get() const { return handle_.get(); }
+
+  private:
+    Handle<DeleteVertexArray> handle_;
+};
+
+/// A two-dimensional texture; sizes beyond the driver's limit are an InputError.
+class Texture2D {
+  public:
+    Texture2D() = default;
+    /// Storage only, undefined texels, one level. `internalFormat` is sized (GL_RGBA8, GL_SRGB8_ALPHA8,
+    /// GL_RGBA32F, GL_DEPTH_COMPONENT24 …).
+    Texture2D(std::string_view label, GLenum internalFormat, int width, int height);
+    /// From pixels, with all mipmap levels; sRGB images are stored so that sampling gives linear light.
+    Texture2D(std::string_view label, const Image8& image);
+    void bind(GLuint unit) const;
+    void setFilter(GLenum minification, GLenum magnification);
+    void setWrap(GLenum s, GLenum t);
+    GLuint get() const { return handle_.get(); }
+    int width() const { return width_; }
+    int height() const { return height_; }
+    GLenum internalFormat() const { return internalFormat_; }
+
+  private:
+    Handle<DeleteTexture> handle_;
+    int width_ = 0;
+    int height_ = 0;
+    GLenum internalFormat_ = 0;
+};
+
+/// Draws into textures. Incomplete: a GlError that lists the attachments.
+class Framebuffer {
+  public:
+    Framebuffer() = default;
+    /// `colors` go to attachments 0, 1, …; `depth` may be null (its format decides depth or depth and
+    /// stencil). The textures must outlive this.
+    Framebuffer(std::string_view label, std::span<const Texture2D* const> colors, const Texture2D* depth);
+    /// Binds it for drawing and sets the viewport to its size.
+    void bind() const;
+    int width() const { return width_; }
+    int height() const { return height_; }
+    GLuint get() const { return handle_.get(); }
+
+  private:
+    Handle<DeleteFramebuffer> handle_;
+    int width_ = 0;
+    int height_ = 0;
+};
+
+/// The pixels of a colour texture, top row first: 8-bit (sRGB formats keep their encoding) or float.
+Image8 readPixels8(const Texture2D& texture);
+Image readPixels(const Texture2D& texture);
+
+/// Waits until the device has finished, and tells the seconds since `glFinish` before `work` was called.
+template <typename Work>
+double secondsOf(Work&& work);
+
+}  // namespace quincunx::gl
+
+#include <chrono>
+
+template <typename Work>
+double quincunx::gl::secondsOf(Work&& work) {
+    glFinish();
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    glFinish();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}

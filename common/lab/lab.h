@@ -1,0 +1,174 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "graph/graph.h"
+#include "image/image.h"
+#include "lab/knob.h"
+#include "scene/scene.h"
+
+namespace quincunx {
+
+class Studio;
+
+/// Everything besides the knobs that a picture depends on.
+struct Frame {
+    int width = 640;   ///< pixels
+    int height = 480;  ///< pixels
+    Camera camera;
+    double timeSeconds = 0;
+    std::uint64_t seed = 1;
+    /// Of the picture: rgba8Srgb for people, rgba32f (linear light) for measurements.
+    graph::Format pictureFormat = graph::Format::rgba8Srgb;
+};
+
+/// A figure with what it must be.
+struct Bound {
+    enum class Kind { atMost, atLeast, equals };
+    Kind kind = Kind::atMost;
+    double value = 0;
+    double tolerance = 0;  ///< for `equals`
+
+    bool holds(double measured) const;  ///< false for NaN
+    std::string text() const;           ///< "≤ 1e-06"
+};
+
+struct Measurement {
+    std::string name;
+    double value = 0;
+    std::string unit;
+    std::optional<Bound> bound;  ///< none: told for information
+
+    bool pass() const { return !bound || bound->holds(value); }
+};
+
+/// An exam question and its running answer.
+struct Question {
+    int number = 0;
+    std::string asked;    ///< in the project's own words
+    std::string answer;   ///< in the project's own words
+    std::string cardFix;  ///< what the flashcard gets wrong; empty: nothing
+    std::function<std::vector<Measurement>(Studio&)> measure;
+};
+
+using KnobValues = std::vector<std::pair<std::string, std::string>>;
+
+/// What one setting of the knobs costs and yields. Counters repeat exactly on every machine.
+struct SweepSample {
+    double error = 0;
+    double seconds = 0;        ///< median of repeated runs
+    double secondsSpread = 0;  ///< interquartile range
+    std::map<std::string, std::uint64_t> counters;
+};
+
+/// A trade of accuracy for time: the settings to try, and how to measure one.
+struct Sweep {
+    std::string name;
+    std::string title;
+    std::string reference;  ///< what the error is measured against
+    std::string metric;     ///< "RMSE", "FLIP", "wrong pixels" …
+    std::string errorUnit;
+    std::vector<KnobValues> points;
+    /// Called with the knobs set to a point.
+    std::function<SweepSample(Studio&)> measure;
+};
+
+/// A numeric routine on hard inputs, in its naive and in its stable form, against an exact oracle.
+struct HardCase {
+    struct Result {
+        std::uint64_t inputs = 0;
+        double naiveError = 0;  ///< may be infinite
+        double stableError = 0;
+        std::string worstInput;  ///< of the stable form, in hexadecimal floating point
+    };
+    std::string routine;
+    std::string hardInput;
+    std::string unit;  ///< "ulp", "wrong", "radians" …
+    double bound = 0;  ///< the stable error must not exceed it
+    std::string source;
+    std::function<Result(std::uint64_t inputs, std::uint64_t seed)> run;
+};
+
+/// One topic of the exam: its knobs, how a frame of it is drawn, and what can be asked of it.
+class Lab {
+  public:
+    virtual ~Lab() = default;
+    Lab(const Lab&) = delete;
+    Lab& operator=(const Lab&) = delete;
+
+    /// One line for `list`.
+    virtual std::string topic() const = 0;
+    KnobSet& knobs() { return knobs_; }
+    const KnobSet& knobs() const { return knobs_; }
+
+    /// Adds the passes of a frame; one of them writes the resource that is returned, the picture, of
+    /// `frame.pictureFormat` and size. Called for every frame, with the context current.
+    virtual graph::Resource build(graph::FrameGraph& graph, const Frame& frame) = 0;
+
+    /// True if `useScene` may be called (`--model`).
+    virtual bool takesModels() const { return false; }
+    virtual void useScene(Scene scene);
+    /// The camera at the start.
+    virtual Camera defaultCamera() const = 0;
+    /// What the window's orbit camera turns about, and how far it may go.
+    virtual Bounds sceneBounds() const = 0;
+
+    /// Work that makes the reference picture (linear light) of this frame on the CPU, on any thread, without
+    /// touching the lab again; it may give up, returning an empty image, once `stop` is set. Empty: no
+    /// reference.
+    using ReferenceJob = std::function<Image(const std::atomic<bool>& stop)>;
+    virtual ReferenceJob reference(const Frame& frame) const;
+    /// What the reference is, for people.
+    virtual std::string referenceName() const { return {}; }
+
+    virtual std::vector<Question> questions() { return {}; }
+    virtual std::vector<Sweep> sweeps() { return {}; }
+    virtual std::vector<HardCase> hardCases() { return {}; }
+
+    /// What the last frame drew: "triangles" and the like, exact.
+    virtual std::map<std::string, std::uint64_t> counters() const { return {}; }
+
+  protected:
+    Lab() = default;
+
+  private:
+    KnobSet knobs_;
+};
+
+/// A lab as the program finds it: by the name of its folder.
+struct LabEntry {
+    int number = 0;
+    std::string_view name;  ///< "shading"
+    std::unique_ptr<Lab> (*make)() = nullptr;
+
+    std::string folder() const;  ///< "10_shading"
+};
+
+/// Whole program: understands the command line, does what it says, returns the exit status.
+int runCommandLine(int argc, const char* const* argv, std::span<const LabEntry> labs);
+
+}  // namespace quincunx
+
+/// In lab.cpp: makes the lab known under its folder's name. The build system names the factory.
+#define QUINCUNX_DEFINE_LAB(Type)                           \
+    std::unique_ptr<quincunx::Lab> QUINCUNX_LAB_FACTORY() { \
+        return std::make_unique<Type>();                    \
+    }
+
+/// In main.cpp: the program of this one lab.
+#define QUINCUNX_LAB_MAIN                                                                            \
+    std::unique_ptr<quincunx::Lab> QUINCUNX_LAB_FACTORY();                                           \
+    int main(int argc, char** argv) {                                                                \
+        const quincunx::LabEntry lab{QUINCUNX_LAB_NUMBER, QUINCUNX_LAB_NAME, &QUINCUNX_LAB_FACTORY}; \
+        return quincunx::runCommandLine(argc, argv, {&lab, 1});                                      \
+    }

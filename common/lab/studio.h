@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "gl/context.h"
+#include "gl/executor.h"
+#include "lab/lab.h"
+
+namespace quincunx {
+
+/// Draws labs without a window: for pictures, sweeps, answers and tests.
+class Studio {
+  public:
+    explicit Studio(gl::Backend backend);
+    ~Studio();
+
+    /// The picture as people see it: 8-bit RGBA, sRGB.
+    Image8 picture(Lab& lab, const Frame& frame);
+    /// The same in linear light, RGBA float.
+    Image linearPicture(Lab& lab, const Frame& frame);
+    /// A named intermediate resource of the frame, RGBA float. A name there is not is an InputError listing
+    /// them.
+    Image resource(Lab& lab, const Frame& frame, std::string_view name);
+
+    /// Time of a frame, around glFinish: `warmUps` frames first, then the median and the interquartile range
+    /// of `repeats`.
+    struct Timing {
+        double medianSeconds = 0;
+        double spreadSeconds = 0;
+    };
+    Timing time(Lab& lab, const Frame& frame, int repeats = 9, int warmUps = 2);
+
+    /// Frame with the lab's default camera.
+    Frame frame(const Lab& lab, int width, int height) const;
+
+    gl::Context& context() { return *context_; }
+    gl::Executor& executor() { return *executor_; }
+
+  private:
+    graph::Resource draw(Lab& lab, const Frame& frame);
+    std::unique_ptr<gl::Context> context_;
+    std::unique_ptr<gl::Executor> executor_;
+};
+
+}  // namespace quincunx

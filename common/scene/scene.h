@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "geometry/mesh.h"
+#include "image/image.h"
+
+namespace quincunx {
+
+/// A texture: its pixels and how it is repeated. Filled by an importer or by code.
+struct Texture {
+    enum class Wrap { repeat, mirroredRepeat, clampToEdge };
+    std::string name;
+    Image8 image;
+    Wrap wrapS = Wrap::repeat;
+    Wrap wrapT = Wrap::repeat;
+};
+
+/// How a surface answers light. Colours are linear RGB. The metallic–roughness numbers are glTF's (section
+/// 3.9.2); the Phong numbers are what the classic shading models read. Importers fill both.
+struct Material {
+    enum class AlphaMode { opaque, mask, blend };
+    std::string name;
+
+    glm::vec4 baseColor{1};                       ///< factor, with alpha
+    std::optional<std::size_t> baseColorTexture;  ///< index into Scene::textures, multiplied with the factor
+    float metallic = 0;                           ///< 0 dielectric … 1 metal
+    float roughness = 0.5f;                       ///< 0 mirror … 1 matt
+    glm::vec3 emission{0};                        ///< radiance, W/(m² sr) a channel
+    AlphaMode alphaMode = AlphaMode::opaque;
+    float alphaCutoff = 0.5f;
+    bool doubleSided = false;
+
+    glm::vec3 ambient{0.04f};   ///< share of the ambient light sent back
+    glm::vec3 diffuse{0.8f};    ///< Lambertian albedo, multiplied with the texture
+    glm::vec3 specular{0.04f};  ///< weight of the highlight
+    float shininess = 32;       ///< Phong exponent ≥ 0
+};
+
+/// A light. Position and direction are in world space.
+struct Light {
+    enum class Kind { directional, point, spot };
+    Kind kind = Kind::directional;
+    std::string name;
+    glm::vec3 position{0};             ///< point and spot
+    glm::vec3 direction{0, -1, 0};     ///< directional and spot: the way the light travels, unit length
+    glm::vec3 color{1};                ///< linear RGB
+    float intensity = 1;               ///< lux for directional, candela for point and spot, all divided by pi
+    float range = 0;                   ///< distance where it ends; 0: no end
+    float innerConeRadians = 0;        ///< spot: full strength inside
+    float outerConeRadians = 0.7854f;  ///< spot: dark outside
+};
+
+/// The eye. It looks along −z of its own frame, y up, right-handed.
+struct Camera {
+    glm::mat4 worldFromCamera{1};  ///< rigid
+    float fovYRadians = 0.7854f;   ///< full vertical angle
+    float nearDistance = 0.1f;     ///< > 0
+    float farDistance = 100;       ///< > near; infinity allowed
+};
+
+/// One mesh placed in the world.
+struct Instance {
+    std::string name;
+    std::size_t mesh = 0;      ///< index into Scene::meshes
+    std::size_t material = 0;  ///< index into Scene::materials
+    glm::mat4 worldFromModel{1};
+};
+
+/// All that is drawn: plain data, no GL.
+struct Scene {
+    std::string name;
+    std::vector<Mesh> meshes;
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    std::vector<Instance> instances;
+    std::vector<Light> lights;
+    std::vector<Camera> cameras;
+    glm::vec3 ambientLight{0.1f};   ///< linear RGB, from every direction
+    glm::vec3 backgroundTop{0};     ///< linear RGB at the top row, blending to …
+    glm::vec3 backgroundBottom{0};  ///< … this at the bottom row
+
+    /// World-space bounds of all instances.
+    Bounds bounds() const;
+    std::size_t triangleCount() const;
+};
+
+}  // namespace quincunx
