@@ -9,10 +9,11 @@
 
 namespace quincunx {
 
-/// Draws labs without a window: for pictures, sweeps, answers and tests.
+/// Draws labs without a window: for pictures, sweeps, answers and tests. The context is made when something
+/// is first drawn, so that answers that need no picture need no OpenGL.
 class Studio {
   public:
-    explicit Studio(gl::Backend backend);
+    explicit Studio(gl::Backend backend) : backend_(backend) {}
     ~Studio();
 
     /// The picture as people see it: 8-bit RGBA, sRGB.
@@ -34,11 +35,15 @@ class Studio {
     /// Frame with the lab's default camera.
     Frame frame(const Lab& lab, int width, int height) const;
 
-    gl::Context& context() { return *context_; }
-    gl::Executor& executor() { return *executor_; }
+    /// Fragments that passed the depth test while the frame was drawn (GL_SAMPLES_PASSED), over all passes.
+    std::uint64_t samplesPassed(Lab& lab, const Frame& frame);
+
+    gl::Context& context();
+    gl::Executor& executor();
 
   private:
     graph::Resource draw(Lab& lab, const Frame& frame);
+    gl::Backend backend_;
     std::unique_ptr<gl::Context> context_;
     std::unique_ptr<gl::Executor> executor_;
 };

@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <new>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "base/interrupt.h"
+#include "lab/picture_state.h"
+#include "lab/verbs.h"
+
+namespace quincunx {
+namespace {
+
+constexpr int interruptedStatus = 130;  // 128 + SIGINT, as shells have it
+
+constexpr std::array verbs = {"list", "run", "ask", "sweep", "stress", "compare"};
+
+const char* about =
+    "Computer-graphics labs that measure what they teach.\n"
+    "A LAB is named by number, name or both: 10, shading, 10_shading.";
+
+/// The lab that the words name, so that its knobs become flags before they are parsed. Null if none is named.
+const LabEntry* mentionedLab(std::span<const LabEntry> labs, const std::vector<std::string>& words) {
+    if (labs.size() == 1)
+        return &labs.front();
+    for (const std::string& word : words)
+        for (const LabEntry& entry : labs)
+            if (word == entry.name || word == entry.folder() || word == std::to_string(entry.number))
+                return &entry;
+    return nullptr;
+}
+
+void addKnobs(CLI::App& command, KnobSet& knobs) {
+    for (Knob* knob : knobs.all()) {
+        const bool isSwitch = dynamic_cast<BoolKnob*>(knob) != nullptr;
+        CLI::Option* option = command.add_option_function<std::string>(
+            "--" + knob->name(),
+            [knob, isSwitch](const std::string& text) {
+                knob->parse(isSwitch && text.empty() ? "on" : text);
+            },
+            knob->help());
+        if (isSwitch)
+            option->expected(0, 1);
+        option->type_name(knob->allowed() + (knob->unit().empty() ? "" : " " + knob->unit()));
+        option->default_str(knob->defaultText());
+        option->group("Knobs");
+    }
+}
+
+void parseSize(std::string_view text, DrawOptions& options) {
+    const std::size_t x = text.find('x');
+    const auto side = [&](std::string_view digits) {
+        int value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        if (error != std::errc{} || end != digits.data() + digits.size() || value < 1 ||
+            value > maxPictureSide)
+            throw InputError(fmt::format("\"{}\" is no size", printable(text, 40)), "--size",
+                             fmt::format("give WxH in pixels, 1x1 … {0}x{0}", maxPictureSide));
+        return value;
+    };
+    options.width = side(x == std::string_view::npos ? text : text.substr(0, x));
+    options.height = side(x == std::string_view::npos ? std::string_view("") : text.substr(x + 1));
+}
+
+void addDrawing(CLI::App& command, DrawOptions& options, bool window) {
+    command
+        .add_option_function<std::string>(
+            "--backend", [&options](const std::string& name) { options.backend = gl::parseBackend(name); },
+            "Where to draw")
+        ->type_name(window ? "auto|osmesa|egl|window" : "auto|osmesa|egl")
+        ->default_str("auto");
+    command
+        .add_option_function<std::string>(
+            "--size", [&options](const std::string& text) { parseSize(text, options); },
+            "Size of the picture")
+        ->type_name("WxH");
+    command.add_option("--seed", options.seed, "Of all random numbers")->type_name("N");
+}
+
+void addLabArgument(CLI::App& command, std::string& name, std::span<const LabEntry> labs) {
+    if (labs.size() > 1 || labs.empty())
+        command.add_option("LAB", name, "Number, name or both")->required();
+}
+
+/// Inserts the verb `run` where the program of a single lab is given none.
+std::vector<std::string> withVerb(std::vector<std::string> words, bool singleLab) {
+    if (!singleLab)
+        return words;
+    const bool given =
+        !words.empty() &&
+        (std::find(verbs.begin(), verbs.end(), words.front()) != verbs.end() || words.front() == "--version");
+    if (!given)
+        words.insert(words.begin(), "run");
+    return words;
+}
+
+int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs) {
+    CLI::App app(about, labs.size() == 1 ? labs.front().folder() : "quincunx");
+    app.set_version_flag("--version", "quincunx " QUINCUNX_VERSION);
+    app.require_subcommand(1);
+    app.fallthrough(false);
+
+    const LabEntry* mentioned = mentionedLab(labs, words);
+    const std::unique_ptr<Lab> lab = mentioned != nullptr ? mentioned->make() : nullptr;
+    std::string labName;
+    ExitStatus status = ExitStatus::ok;
+
+    const auto labVerb = [&](const char* verb, const char* help) {
+        CLI::App* command = app.add_subcommand(verb, help);
+        addLabArgument(*command, labName, labs);
+        if (lab)
+            addKnobs(*command, lab->knobs());
+        else
+            command->allow_extras();  // the unknown lab is the error to tell, not its flags
+        return command;
+    };
+    // Reports an unknown lab, and words after a known one that another lab's name had hidden.
+    const auto chosen = [&]() -> const LabEntry& {
+        return mentioned != nullptr ? *mentioned : findLab(labs, labName);
+    };
+
+    bool listJson = false;
+    CLI::App* listCommand = app.add_subcommand("list", "The labs, their topics and their questions");
+    listCommand->add_flag("--json", listJson, "Machine-readable");
+    listCommand->callback([&] { list(labs, listJson); });
+
+    RunOptions runOptions;
+    CLI::App* runCommand = labVerb("run", "Draw a lab: in a window or, without a display, into out/");
+    addDrawing(*runCommand, runOptions.draw, true);
+    runCommand->add_option("--out", runOptions.draw.out, "Draw offscreen into this PNG or EXR")
+        ->type_name("FILE");
+    runCommand->add_option("--model", runOptions.draw.model, "Draw this OBJ, glTF or GLB file")
+        ->type_name("FILE");
+    runCommand->add_option("--record", runOptions.record, "Write all that the picture depends on")
+        ->type_name("FILE");
+    runCommand
+        ->add_option("--replay", runOptions.replay, "Draw what a record, or the record in a PNG, describes")
+        ->type_name("FILE");
+    runCommand->add_flag("--json", runOptions.draw.json, "Machine-readable");
+    runCommand->callback([&] { run(*lab, chosen(), runOptions); });
+
+    int question = 0;
+    DrawOptions askOptions;
+    CLI::App* askCommand =
+        app.add_subcommand("ask", "Answer an exam question, with the figures that prove it");
+    askCommand->add_option("QUESTION", question, "Its number")->required();
+    addDrawing(*askCommand, askOptions, false);
+    askCommand->add_flag("--json", askOptions.json, "Machine-readable");
+    askCommand->callback([&] { status = ask(labs, question, askOptions); });
+
+    SweepOptions sweepOptions;
+    CLI::App* sweepCommand = labVerb("sweep", "Error against time: table, CSV and SVG");
+    addDrawing(*sweepCommand, sweepOptions.draw, false);
+    sweepCommand->add_option("--sweep", sweepOptions.only, "Only this one")->type_name("NAME");
+    sweepCommand->add_option("--out", sweepOptions.draw.out, "Folder for CSV and SVG")
+        ->type_name("FOLDER")
+        ->default_str("out");
+    sweepCommand
+        ->add_option_function<double>(
+            "--budget-ms", [&](double ms) { sweepOptions.budgetSeconds = ms / 1e3; },
+            "Pick the most accurate setting within this time")
+        ->check(CLI::PositiveNumber)
+        ->type_name("MS");
+    sweepCommand
+        ->add_option("--max-error", sweepOptions.maxError, "Pick the fastest setting within this error")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("E");
+    sweepCommand->add_flag("--json", sweepOptions.draw.json, "Machine-readable");
+    sweepCommand->callback([&] { status = sweep(*lab, chosen(), sweepOptions); });
+
+    StressOptions stressOptions;
+    CLI::App* stressCommand = labVerb("stress", "Hard cases: naive error, stable error, bound");
+    stressCommand->add_flag("--full", stressOptions.full, "A million inputs a routine");
+    stressCommand->add_option("--seed", stressOptions.seed, "Of the inputs")
+        ->type_name("N")
+        ->default_str("1");
+    stressCommand->add_flag("--json", stressOptions.json, "Machine-readable");
+    stressCommand->callback([&] { status = stress(*lab, chosen(), stressOptions); });
+
+    CompareOptions compareOptions;
+    CLI::App* compareCommand = app.add_subcommand("compare", "One figure for two pictures, and an error map");
+    compareCommand->add_option("A", compareOptions.first, "Reference picture")->required();
+    compareCommand->add_option("B", compareOptions.second, "Test picture")->required();
+    compareCommand
+        ->add_option_function<std::string>(
+            "--metric", [&](const std::string& name) { compareOptions.metric = parseMetric(name); },
+            "Which figure")
+        ->type_name("rmse|psnr|ssim|flip")
+        ->default_str("flip");
+    compareCommand->add_option("--out", compareOptions.out, "Write the error map here")->type_name("FILE");
+    compareCommand->add_option("--max-error", compareOptions.maxError, "Exit with 1 when it is exceeded")
+        ->type_name("E");
+    compareCommand->add_flag("--json", compareOptions.json, "Machine-readable");
+    compareCommand->callback([&] { status = compare(compareOptions); });
+
+    try {
+        std::reverse(words.begin(), words.end());
+        if (lab == nullptr)
+            for (CLI::App* command : {runCommand, sweepCommand, stressCommand})
+                command->preparse_callback([](std::size_t) {});
+        app.parse(words);
+    } catch (const CLI::CallForHelp&) {
+        print(app.help());
+    } catch (const CLI::CallForAllHelp&) {
+        print(app.help("", CLI::AppFormatMode::All));
+    } catch (const CLI::CallForVersion&) {
+        print("quincunx " QUINCUNX_VERSION "\n");
+    } catch (const CLI::ParseError& e) {
+        throw InputError(printable(e.what()), {}, "see --help");
+    }
+    return static_cast<int>(status);
+}
+
+}  // namespace
+
+int runCommandLine(int argc, const char* const* argv, std::span<const LabEntry> labs) {
+    handleInterrupts();
+    try {
+        const int status = dispatch(withVerb({argv + 1, argv + argc}, labs.size() == 1), labs);
+        print({});
+        return status;
+    } catch (const Interrupted& e) {
+        fmt::print(stderr, "quincunx: {}\n", e.what());
+        return interruptedStatus;
+    } catch (const Error& e) {
+        fmt::print(stderr, "quincunx: {}\n", e.what());
+        return static_cast<int>(e.exitStatus());
+    } catch (const std::bad_alloc&) {
+        std::fputs("quincunx: not enough memory; use a smaller picture or model\n", stderr);
+        return static_cast<int>(ExitStatus::notPossibleHere);
+    }
+}
+
+}  // namespace quincunx

@@ -1,0 +1,130 @@
+#include "lab/plot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/wait.h>
+
+#include "base/error.h"
+#include "base/file.h"
+
+namespace quincunx {
+namespace {
+
+/// `text` as a single-quoted gnuplot string.
+std::string quoted(std::string_view text) {
+    std::string result = "'";
+    for (const char c : text)
+        result += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
+    return result + "'";
+}
+
+/// `text` as one double-quoted word of inline data.
+std::string dataWord(std::string_view text) {
+    std::string result = "\"";
+    for (const char c : text)
+        result += c == '"' || c == '\n' ? ' ' : c;
+    return result + "\"";
+}
+
+std::string labelOf(const SweepPoint& point) {
+    std::vector<std::string> values;
+    for (std::size_t i = 1; i < point.knobs.size(); ++i)
+        values.push_back(point.knobs[i].second);
+    return fmt::format("{}", fmt::join(values, " "));
+}
+
+/// Zero errors have no place on a logarithmic axis: they are drawn a decade below the smallest other one.
+double floorOfErrors(const SweepResult& result) {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const SweepPoint& point : result.points)
+        if (point.sample.error > 0)
+            smallest = std::min(smallest, point.sample.error);
+    return std::isfinite(smallest) ? smallest / 10 : 1e-12;
+}
+
+std::string script(const SweepResult& result, const std::filesystem::path& output) {
+    constexpr std::array colours = {"#0b6fb8", "#d1661b", "#2b8a57", "#8a4fb0", "#b8860b", "#b3364b"};
+    const double floor = floorOfErrors(result);
+    std::vector<std::string> series;
+    for (const SweepPoint& point : result.points)
+        if (std::find(series.begin(), series.end(), point.knobs.front().second) == series.end())
+            series.push_back(point.knobs.front().second);
+
+    const auto row = [&](const SweepPoint& point) {
+        return fmt::format("{:.9g} {:.9g} {}\n", point.sample.seconds * 1e3,
+                           std::max(point.sample.error, floor), dataWord(labelOf(point)));
+    };
+    std::string text = "set encoding utf8\n";
+    std::vector<std::string> plots;
+
+    std::vector<SweepPoint> front;
+    std::copy_if(result.points.begin(), result.points.end(), std::back_inserter(front),
+                 [](const SweepPoint& point) { return point.pareto; });
+    std::sort(front.begin(), front.end(),
+              [](const SweepPoint& a, const SweepPoint& b) { return a.sample.seconds < b.sample.seconds; });
+    text += "$front << EOD\n";
+    for (const SweepPoint& point : front)
+        text += row(point);
+    text += "EOD\n";
+    plots.emplace_back("$front using 1:2 with lines lw 9 lc rgb '#e6d58a' title 'Pareto front'");
+
+    for (std::size_t i = 0; i < series.size(); ++i) {
+        text += fmt::format("$series{} << EOD\n", i);
+        for (const SweepPoint& point : result.points)
+            if (point.knobs.front().second == series[i])
+                text += row(point);
+        text += "EOD\n";
+        const char* colour = colours[i % colours.size()];
+        plots.push_back(
+            fmt::format("$series{} using 1:2 with linespoints lw 2 pt 7 ps 0.7 lc rgb '{}' title {}", i,
+                        colour, quoted(series[i])));
+        plots.push_back(fmt::format(
+            "$series{} using 1:2:3 with labels left offset 0.6,0.5 font ',10' tc rgb '{}' notitle", i,
+            colour));
+    }
+    const std::string unit = result.errorUnit.empty() ? "" : fmt::format(" ({})", result.errorUnit);
+    text += fmt::format(
+        "set terminal svg size 960,640 dynamic noenhanced font 'DejaVu Sans,13' background '#ffffff'\n"
+        "set output {}\n"
+        "set title {} font ',15'\n"
+        "set xlabel 'time of a frame (ms)'\n"
+        "set ylabel {}\n"
+        "set label {} at screen 0.99,0.015 right font ',9' tc rgb '#666666'\n"
+        "set logscale xy\nset format x '%g'\nset format y '%g'\n"
+        "set grid lc rgb '#dddddd'\nset border 3 lc rgb '#444444'\nset tics nomirror\n"
+        "set offsets graph 0.02, graph 0.08, graph 0.06, graph 0.02\n"
+        "set key top right title {} font ',11'\nset bmargin 4.5\n"
+        "plot {}\n",
+        quoted(output.string()), quoted(fmt::format("{}: {}", result.lab, result.title)),
+        quoted(fmt::format("{}{} against {}", result.metric, unit, result.reference)),
+        quoted(fmt::format("measured on {}", result.renderer)),
+        quoted(result.points.front().knobs.front().first), fmt::join(plots, ", \\\n"));
+    return text;
+}
+
+}  // namespace
+
+void writePlotSvg(const SweepResult& result, const std::filesystem::path& file) {
+    writeAtomically(file, [&](const std::filesystem::path& temporary) {
+        std::FILE* gnuplot = popen("exec gnuplot 2>/dev/null", "w");
+        if (gnuplot == nullptr)
+            throw EnvironmentError("gnuplot cannot be started", {}, "install gnuplot-nox");
+        const std::string text = script(result, temporary);
+        std::fwrite(text.data(), 1, text.size(), gnuplot);
+        const int status = pclose(gnuplot);
+        std::error_code error;
+        if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+            throw EnvironmentError("gnuplot is missing", {}, "install gnuplot-nox");
+        if (status != 0 || std::filesystem::file_size(temporary, error) == 0 || error)
+            throw InputError("gnuplot could not write the plot", file.string(),
+                             "choose another place with --out");
+    });
+}
+
+}  // namespace quincunx

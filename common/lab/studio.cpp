@@ -1,0 +1,86 @@
+#include "lab/studio.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "base/interrupt.h"
+
+namespace quincunx {
+
+Studio::~Studio() = default;
+
+gl::Context& Studio::context() {
+    if (!context_) {
+        context_ = gl::createOffscreenContext(backend_);
+        executor_ = std::make_unique<gl::Executor>();
+    }
+    return *context_;
+}
+
+gl::Executor& Studio::executor() {
+    context();
+    return *executor_;
+}
+
+graph::Resource Studio::draw(Lab& lab, const Frame& frame) {
+    graph::FrameGraph graph;
+    const graph::Resource picture = lab.build(graph, frame);
+    graph.addOutput(picture);
+    executor().run(graph);
+    return picture;
+}
+
+Image8 Studio::picture(Lab& lab, const Frame& frame) {
+    QX_CHECK(frame.pictureFormat == graph::Format::rgba8Srgb);
+    const graph::Resource picture = draw(lab, frame);
+    return gl::readPixels8(executor_->output(picture));
+}
+
+Image Studio::linearPicture(Lab& lab, const Frame& frame) {
+    Frame exact = frame;
+    exact.pictureFormat = graph::Format::rgba32f;
+    const graph::Resource picture = draw(lab, exact);
+    return gl::readPixels(executor_->output(picture));
+}
+
+Image Studio::resource(Lab& lab, const Frame& frame, std::string_view name) {
+    graph::FrameGraph graph;
+    graph.addOutput(lab.build(graph, frame));
+    const graph::Resource wanted = graph.find(name);
+    graph.addOutput(wanted);
+    executor().run(graph);
+    return gl::readPixels(executor_->output(wanted));
+}
+
+Studio::Timing Studio::time(Lab& lab, const Frame& frame, int repeats, int warmUps) {
+    QX_CHECK_GE(repeats, 1);
+    context();
+    for (int i = 0; i < warmUps; ++i)
+        draw(lab, frame);
+    std::vector<double> seconds;
+    for (int i = 0; i < repeats; ++i) {
+        throwIfInterrupted();
+        seconds.push_back(gl::secondsOf([&] { draw(lab, frame); }));
+    }
+    std::sort(seconds.begin(), seconds.end());
+    const auto quantile = [&](double q) {
+        return seconds[static_cast<std::size_t>(q * static_cast<double>(seconds.size() - 1) + 0.5)];
+    };
+    return {quantile(0.5), quantile(0.75) - quantile(0.25)};
+}
+
+std::uint64_t Studio::samplesPassed(Lab& lab, const Frame& frame) {
+    context();
+    const gl::Query query("samples passed", GL_SAMPLES_PASSED);
+    return query.count([&] { draw(lab, frame); });
+}
+
+Frame Studio::frame(const Lab& lab, int width, int height) const {
+    Frame frame;
+    frame.width = width;
+    frame.height = height;
+    frame.camera = lab.defaultCamera();
+    return frame;
+}
+
+}  // namespace quincunx

@@ -1,0 +1,366 @@
+#include "lab/verbs.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/interrupt.h"
+#include "base/progress.h"
+#include "image/io.h"
+#include "lab/picture_state.h"
+#include "lab/plot.h"
+#include "lab/studio.h"
+#include "lab/sweep.h"
+#include "lab/window.h"
+#include "scene/import.h"
+
+namespace quincunx {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int defaultWidth = 640;
+constexpr int defaultHeight = 480;
+
+std::string dump(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json toJson(const KnobValues& knobs) {
+    Json json = Json::object();
+    for (const auto& [name, value] : knobs)
+        json[name] = value;
+    return json;
+}
+
+Frame makeFrame(const Lab& lab, const DrawOptions& options) {
+    Frame frame;
+    frame.width = options.width.value_or(defaultWidth);
+    frame.height = options.height.value_or(defaultHeight);
+    frame.camera = lab.defaultCamera();
+    frame.seed = options.seed.value_or(frame.seed);
+    return frame;
+}
+
+void loadModel(Lab& lab, const std::string& model) {
+    if (model.empty())
+        return;
+    ImportedScene imported = importScene(model);
+    for (const std::string& warning : imported.warnings)
+        fmt::print(stderr, "warning: {}: {}\n", printable(model), printable(warning));
+    lab.useScene(std::move(imported.scene));
+}
+
+/// Median of at most five frames, fewer when they are slow: the first picture should not wait.
+Studio::Timing quickTiming(Studio& studio, Lab& lab, const Frame& frame) {
+    constexpr double patienceSeconds = 0.1;
+    const Studio::Timing first = studio.time(lab, frame, 1, 0);
+    if (first.medianSeconds * 5 > patienceSeconds)
+        return first;
+    return studio.time(lab, frame, 5, 0);
+}
+
+std::string wrap(std::string_view text, std::size_t width) {
+    std::string wrapped;
+    std::size_t column = 0;
+    std::size_t start = 0;
+    while (start < text.size()) {
+        const std::size_t end = std::min(text.find(' ', start), text.size());
+        const std::string_view word = text.substr(start, end - start);
+        if (column > 0 && column + 1 + word.size() > width) {
+            wrapped += '\n';
+            column = 0;
+        } else if (column > 0) {
+            wrapped += ' ';
+            ++column;
+        }
+        wrapped += word;
+        column += word.size();
+        start = end + 1;
+    }
+    return wrapped + '\n';
+}
+
+std::string figureText(double value) {
+    if (std::abs(value) >= 1e5 && value == std::floor(value) && std::abs(value) < 1e15)
+        return fmt::format("{:.0f}", value);
+    return fmt::format("{:.6g}", value);
+}
+
+}  // namespace
+
+void print(std::string_view text) {
+    const bool written =
+        std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+    if (written)
+        return;
+    if (errno == EPIPE)
+        std::_Exit(static_cast<int>(ExitStatus::ok));
+    throw InputError(std::strerror(errno), "standard output", "make room");
+}
+
+const LabEntry& findLab(std::span<const LabEntry> labs, std::string_view name) {
+    std::vector<std::string> names;
+    for (const LabEntry& entry : labs) {
+        if (name == entry.name || name == entry.folder() || name == std::to_string(entry.number))
+            return entry;
+        names.push_back(entry.folder());
+    }
+    throw InputError(fmt::format("there is no lab \"{}\"", printable(name, 40)), {},
+                     fmt::format("choose from {}", fmt::join(names, ", ")));
+}
+
+void list(std::span<const LabEntry> labs, bool json) {
+    Json array = Json::array();
+    std::string text;
+    for (const LabEntry& entry : labs) {
+        const std::unique_ptr<Lab> lab = entry.make();
+        std::vector<int> questions;
+        for (const Question& question : lab->questions())
+            questions.push_back(question.number);
+        array.push_back({{"lab", entry.folder()}, {"topic", lab->topic()}, {"questions", questions}});
+        text += fmt::format("{:<22} {}\n{:<22} questions {}\n", entry.folder(), lab->topic(), "",
+                            fmt::join(questions, ", "));
+    }
+    print(json ? dump(array) : text);
+}
+
+void run(Lab& lab, const LabEntry& entry, RunOptions options) {
+    DrawOptions& draw = options.draw;
+    PictureState state;
+    if (!options.replay.empty()) {
+        state = readPictureState(options.replay);
+        if (state.lab != entry.folder())
+            throw InputError(fmt::format("is a picture of {}", printable(state.lab, 40)), options.replay,
+                             fmt::format("run {} instead", printable(state.lab, 40)));
+        if (draw.model.empty())
+            draw.model = state.model;
+        loadModel(lab, draw.model);
+        lab.knobs().set(state.knobs);
+        state.frame.width = draw.width.value_or(state.frame.width);
+        state.frame.height = draw.height.value_or(state.frame.height);
+        state.frame.seed = draw.seed.value_or(state.frame.seed);
+    } else {
+        loadModel(lab, draw.model);
+        state.frame = makeFrame(lab, draw);
+    }
+    state.lab = entry.folder();
+    state.model = draw.model;
+    state.knobs = lab.knobs().values();
+
+    const bool window = draw.backend == gl::Backend::window || (draw.backend == gl::Backend::automatic &&
+                                                                draw.out.empty() && gl::displayAvailable());
+    if (window) {
+        runWindow(lab, entry, state, {.pictureFolder = "out", .record = options.record});
+        return;
+    }
+
+    preloadImageIo();
+    Studio studio(draw.backend);
+    const std::filesystem::path file = draw.out.empty() ? "out/" + entry.folder() + ".png" : draw.out;
+    const bool floatingPoint = file.extension() == ".exr";
+    const Image8 picture = floatingPoint ? Image8{} : studio.picture(lab, state.frame);
+    const Image linear = floatingPoint ? studio.linearPicture(lab, state.frame) : Image{};
+    throwIfInterrupted();
+    const Studio::Timing timing = quickTiming(studio, lab, state.frame);
+    state.renderer = studio.context().renderer();
+    const std::string record = toJson(state);
+    const ImageMetadata metadata = {{std::string(pictureStateKey), record}};
+    if (floatingPoint)
+        writeImage(file, linear, metadata);
+    else
+        writeImage(file, picture, metadata);
+    if (!options.record.empty())
+        writeFile(options.record, record + "\n");
+
+    std::vector<std::string> drawn;
+    for (const auto& [name, count] : lab.counters())
+        drawn.push_back(fmt::format("{} {}", count, name));
+    const std::string_view backend = gl::backendName(studio.context().backend());
+    if (draw.json)
+        print(dump({{"lab", entry.folder()},
+                    {"file", file.string()},
+                    {"backend", backend},
+                    {"renderer", state.renderer},
+                    {"width", state.frame.width},
+                    {"height", state.frame.height},
+                    {"seconds", timing.medianSeconds},
+                    {"counters", lab.counters()},
+                    {"knobs", toJson(state.knobs)}}));
+    else
+        print(fmt::format("{}: {} at {}x{}, {:.2f} ms a frame\non {}: {}\n{}\n", entry.folder(),
+                          fmt::join(drawn, ", "), state.frame.width, state.frame.height,
+                          timing.medianSeconds * 1e3, backend, state.renderer, file.string()));
+}
+
+ExitStatus ask(std::span<const LabEntry> labs, int number, const DrawOptions& options) {
+    std::vector<int> answered;
+    for (const LabEntry& entry : labs) {
+        const std::unique_ptr<Lab> lab = entry.make();
+        for (const Question& question : lab->questions()) {
+            answered.push_back(question.number);
+            if (question.number != number)
+                continue;
+            Studio studio(options.backend);
+            const std::vector<Measurement> measurements = question.measure(studio);
+            const bool pass = std::all_of(measurements.begin(), measurements.end(),
+                                          [](const Measurement& measurement) { return measurement.pass(); });
+            Json json{{"question", number},
+                      {"lab", entry.folder()},
+                      {"asked", question.asked},
+                      {"answer", question.answer}};
+            std::string text = fmt::format("Question {} ({})\n\n{}\n{}\n", number, entry.folder(),
+                                           wrap(question.asked, 100), wrap(question.answer, 100));
+            if (!question.cardFix.empty()) {
+                json["card_fix"] = question.cardFix;
+                text += wrap("The card's mistake: " + question.cardFix, 100) + "\n";
+            }
+            json["measurements"] = Json::array();
+            std::size_t width = 0;
+            for (const Measurement& measurement : measurements)
+                width = std::max(width, measurement.name.size());
+            for (const Measurement& measurement : measurements) {
+                Json row{
+                    {"name", measurement.name}, {"value", measurement.value}, {"unit", measurement.unit}};
+                if (measurement.bound)
+                    row["bound"] = measurement.bound->text();
+                row["pass"] = measurement.pass();
+                json["measurements"].push_back(row);
+                text += fmt::format("  {:<{}}  {:>12} {:<10} {}\n", measurement.name, width,
+                                    figureText(measurement.value), measurement.unit,
+                                    !measurement.bound
+                                        ? ""
+                                        : fmt::format("{:<18} {}", measurement.bound->text(),
+                                                      measurement.pass() ? "holds" : "FELL SHORT"));
+            }
+            json["pass"] = pass;
+            print(options.json ? dump(json) : text);
+            return pass ? ExitStatus::ok : ExitStatus::checkFellShort;
+        }
+    }
+    std::sort(answered.begin(), answered.end());
+    throw InputError(fmt::format("question {} is not answered yet", number), {},
+                     fmt::format("ask one of {}", fmt::join(answered, ", ")));
+}
+
+ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
+    const std::filesystem::path folder = options.draw.out.empty() ? "out" : options.draw.out;
+    Studio studio(options.draw.backend);
+    Json array = Json::array();
+    std::string text;
+    bool chosen = true;
+    std::vector<std::string> names;
+    for (const Sweep& sweep : lab.sweeps()) {
+        names.push_back(sweep.name);
+        if (!options.only.empty() && sweep.name != options.only)
+            continue;
+        const SweepResult result = runSweep(lab, entry, sweep, studio);
+        const std::string stem = fmt::format("{}_{}", entry.folder(), sweep.name);
+        writeFile(folder / (stem + ".csv"), toCsv(result));
+        writePlotSvg(result, folder / (stem + ".svg"));
+
+        const bool choose = options.budgetSeconds || options.maxError;
+        const std::optional<std::size_t> choice =
+            choose ? choosePoint(result.points, options.budgetSeconds, options.maxError) : std::nullopt;
+        Json points = Json::array();
+        for (std::size_t i = 0; i < result.points.size(); ++i) {
+            const SweepPoint& point = result.points[i];
+            Json row{{"knobs", toJson(point.knobs)},
+                     {"error", point.sample.error},
+                     {"seconds", point.sample.seconds},
+                     {"counters", point.sample.counters},
+                     {"pareto", point.pareto}};
+            if (choose)
+                row["chosen"] = choice == i;
+            points.push_back(row);
+        }
+        array.push_back({{"lab", entry.folder()},
+                         {"sweep", result.name},
+                         {"reference", result.reference},
+                         {"metric", result.metric},
+                         {"points", points}});
+        text += toTable(result) + "\n";
+        if (choice) {
+            std::vector<std::string> knobs;
+            for (const auto& [name, value] : result.points[*choice].knobs)
+                knobs.push_back(fmt::format("--{}={}", name, value));
+            text += fmt::format("picked: {}\n", fmt::join(knobs, " "));
+        } else if (choose) {
+            chosen = false;
+            text += "no setting keeps the limits\n";
+        }
+        text += fmt::format("{0}/{1}.csv\n{0}/{1}.svg\n\n", folder.string(), stem);
+    }
+    if (array.empty())
+        throw InputError(fmt::format("there is no sweep \"{}\"", printable(options.only, 40)), "--sweep",
+                         fmt::format("choose from {}", fmt::join(names, ", ")));
+    print(options.draw.json ? dump(array) : text);
+    return chosen ? ExitStatus::ok : ExitStatus::checkFellShort;
+}
+
+ExitStatus stress(Lab& lab, const LabEntry& entry, const StressOptions& options) {
+    constexpr std::uint64_t quickInputs = 20'000;
+    constexpr std::uint64_t fullInputs = 1'000'000;
+    const std::uint64_t inputs = options.full ? fullInputs : quickInputs;
+    const std::vector<HardCase> cases = lab.hardCases();
+    Json array = Json::array();
+    std::string text = fmt::format("{}\n\n  {:<22} {:<46} {:>9} {:>11} {:>11} {:>9}  {}\n", entry.folder(),
+                                   "routine", "hard input", "inputs", "naive", "stable", "bound", "");
+    bool pass = true;
+    Progress progress(entry.folder() + " stress", std::max<std::size_t>(cases.size(), 1));
+    std::size_t done = 0;
+    for (const HardCase& hardCase : cases) {
+        const HardCase::Result result = hardCase.run(inputs, options.seed);
+        const bool holds = result.stableError <= hardCase.bound;
+        pass = pass && holds;
+        array.push_back({{"routine", hardCase.routine},
+                         {"hard_input", hardCase.hardInput},
+                         {"inputs", result.inputs},
+                         {"naive_error", result.naiveError},
+                         {"stable_error", result.stableError},
+                         {"unit", hardCase.unit},
+                         {"bound", hardCase.bound},
+                         {"pass", holds}});
+        text +=
+            fmt::format("  {:<22} {:<46} {:>9} {:>11.4g} {:>11.4g} {:>9.3g}  {}{}\n", hardCase.routine,
+                        hardCase.hardInput, result.inputs, result.naiveError, result.stableError,
+                        hardCase.bound, hardCase.unit, holds ? "" : "  FELL SHORT at " + result.worstInput);
+        progress.update(++done);
+    }
+    print(options.json ? dump({{"lab", entry.folder()}, {"cases", array}, {"pass", pass}}) : text);
+    return pass ? ExitStatus::ok : ExitStatus::checkFellShort;
+}
+
+ExitStatus compare(const CompareOptions& options) {
+    const Image8 first = readImage8(options.first);
+    const Image8 second = readImage8(options.second);
+    const Comparison comparison = compareImages(first, second, options.metric);
+    if (!options.out.empty())
+        writeImage(options.out, errorMap(comparison.perPixel));
+    // Larger is worse for all but the two measures of likeness.
+    const bool likeness = options.metric == Metric::psnr || options.metric == Metric::ssim;
+    if (options.maxError && likeness)
+        throw InputError(fmt::format("{} grows with likeness", metricName(options.metric)), "--max-error",
+                         "use it with rmse or flip");
+    if (options.json)
+        print(dump({{"reference", options.first},
+                    {"test", options.second},
+                    {"metric", metricName(options.metric)},
+                    {"value", comparison.value}}));
+    else
+        print(fmt::format("{} {:.6f}\n", metricName(options.metric), comparison.value));
+    return options.maxError && !(comparison.value <= *options.maxError) ? ExitStatus::checkFellShort
+                                                                        : ExitStatus::ok;
+}
+
+}  // namespace quincunx

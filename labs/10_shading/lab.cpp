@@ -1,0 +1,181 @@
+#include "labs/10_shading/lab.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "image/filter.h"
+#include "math/transform.h"
+#include "passes/downsample.h"
+#include "scene/import.h"
+
+namespace quincunx {
+
+ShadingLab::ShadingLab() : stillLife_(makeStillLife()) {}
+
+void ShadingLab::useScene(Scene scene) {
+    if (scene.lights.empty())
+        scene.lights = studioLights();
+    scene_ = std::move(scene);
+    builtIn_ = false;
+    shared_.reset();
+    facets_.reset();
+}
+
+Camera ShadingLab::defaultCamera() const {
+    constexpr float aspect = 4.0f / 3.0f;
+    if (builtIn_)
+        return stillLife_.camera;
+    return scene_.cameras.empty() ? frameBounds(scene_.bounds(), aspect) : scene_.cameras.front();
+}
+
+Bounds ShadingLab::sceneBounds() const {
+    return builtIn_ ? quincunx::tessellate(stillLife_, 8).bounds() : scene_.bounds();
+}
+
+glm::mat4 ShadingLab::worldFromScene() const {
+    glm::mat4 result(1);
+    result[0][0] = mirror ? -1.0f : 1.0f;
+    result[1][0] = shear;
+    return result;
+}
+
+PhongModel ShadingLab::model() const {
+    return {reflection.as<PhongModel::Reflection>(), ambient, diffuse, specular, emission};
+}
+
+std::vector<Light> ShadingLab::turnedLights() const {
+    std::vector<Light> lights = builtIn_ ? stillLife_.lights : scene_.lights;
+    const glm::mat3 turn(glm::rotate(glm::mat4(1), glm::radians(static_cast<float>(lightTurn)), {0, 1, 0}));
+    for (Light& light : lights) {
+        light.position = turn * light.position;
+        light.direction = turn * light.direction;
+    }
+    return lights;
+}
+
+void ShadingLab::prepareScene() {
+    if (!builtIn_ || builtTessellation_ == tessellation)
+        return;
+    scene_ = quincunx::tessellate(stillLife_, tessellation);
+    builtTessellation_ = tessellation;
+    shared_.reset();
+    facets_.reset();
+}
+
+std::optional<SceneBuffers>& ShadingLab::buffersFor(ShadingModel model) {
+    std::optional<SceneBuffers>& buffers =
+        layoutFor(model) == SceneBuffers::Layout::shared ? shared_ : facets_;
+    if (!buffers)
+        buffers.emplace(scene_, layoutFor(model));
+    return buffers;
+}
+
+std::vector<ObjectBlock> ShadingLab::objectBlocks() const {
+    std::vector<ObjectBlock> blocks;
+    blocks.reserve(scene_.instances.size());
+    for (const Instance& instance : scene_.instances) {
+        Material material = scene_.materials[instance.material];
+        material.ambient *= ambient ? 1 : 0;
+        material.diffuse *= diffuse ? 1 : 0;
+        material.specular *= specular ? 1 : 0;
+        material.emission *= emission ? 1 : 0;
+        material.shininess *= shininessScale;
+        const glm::mat4 worldFromModel = worldFromScene() * instance.worldFromModel;
+        blocks.push_back(makeObjectBlock(material, worldFromModel));
+        const glm::mat3 chosen = normals.as<Normals>() == Normals::model ? glm::mat3(worldFromModel)
+                                 : normals.as<Normals>() == Normals::inverseTranspose
+                                     ? normalMatrixNaive(worldFromModel)
+                                     : normalMatrix(worldFromModel);
+        for (int column = 0; column < 3; ++column)
+            blocks.back().worldNormalFromModel[static_cast<std::size_t>(column)] =
+                glm::vec4(chosen[column], 0);
+    }
+    return blocks;
+}
+
+graph::Resource ShadingLab::build(graph::FrameGraph& graph, const Frame& frame) {
+    prepareScene();
+    const int factor = supersample;
+    const graph::Resource picture =
+        graph.addResource({"picture", frame.pictureFormat, frame.width, frame.height});
+    const graph::Resource shaded = factor == 1
+                                       ? picture
+                                       : graph.addResource({"shaded", graph::Format::rgba16f,
+                                                            frame.width * factor, frame.height * factor});
+    const graph::Resource depth =
+        graph.addResource({"depth", graph::Format::depth32f, frame.width * factor, frame.height * factor});
+    graph.addPass({.name = "shade",
+                   .reads = {},
+                   .writes = {shaded, depth},
+                   .execute = [this, frame, factor](graph::PassContext& context) {
+                       drawScene(context, frame, factor);
+                   }});
+    if (factor > 1)
+        addDownsamplePass(graph, shaded, picture, {.factor = factor});
+    return picture;
+}
+
+void ShadingLab::drawScene(graph::PassContext& context, const Frame& frame, int factor) {
+    const float aspect = static_cast<float>(frame.width) / static_cast<float>(frame.height);
+    const FrameBlock frameBlock = makeFrameBlock(scene_, turnedLights(), frame.camera, aspect);
+    const std::vector<ObjectBlock> objects = objectBlocks();
+
+    ShadingPassParams params{.blinnPhong = model().reflection == PhongModel::Reflection::blinnPhong};
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+        params.doubleSided.push_back(scene_.materials[scene_.instances[i].material].doubleSided);
+        params.mirrored.push_back(glm::determinant(glm::mat3(objects[i].worldFromModel)) < 0);
+    }
+    const auto draw = [&](ShadingModel one) {
+        params.shading = one;
+        SceneBuffers& buffers = *buffersFor(one);
+        buffers.update(frameBlock, objects);
+        drawShaded(context, buffers, params);
+    };
+
+    glClear(GL_DEPTH_BUFFER_BIT);
+    const Shading mode = shading.as<Shading>();
+    if (mode != Shading::compare) {
+        draw(static_cast<ShadingModel>(mode));
+        return;
+    }
+    const int width = frame.width * factor;
+    const int height = frame.height * factor;
+    for (int i = 0; i < 3; ++i) {
+        const int left = width * i / 3;
+        withScissor({left, 0, width * (i + 1) / 3 - left, height},
+                    [&] { draw(static_cast<ShadingModel>(i)); });
+        if (i > 0)
+            withScissor({left - factor, 0, 2 * factor, height}, [] {
+                glClearColor(1, 1, 1, 1);
+                glClear(GL_COLOR_BUFFER_BIT);
+            });
+    }
+}
+
+Lab::ReferenceJob ShadingLab::reference(const Frame& frame) const {
+    if (!builtIn_)
+        return {};
+    StillLife exact = stillLife_;
+    exact.lights = turnedLights();
+    for (StillLife::Object& object : exact.objects)
+        object.material.shininess *= shininessScale;
+    return [exact, frame, model = model(), placement = worldFromScene(),
+            factor = static_cast<int>(supersample)](const std::atomic<bool>& stop) {
+        return boxDownsample(traceReference(exact, frame.camera, frame.width * factor, frame.height * factor,
+                                            model, placement, &stop),
+                             factor);
+    };
+}
+
+std::map<std::string, std::uint64_t> ShadingLab::counters() const {
+    const std::optional<SceneBuffers>& buffers = shading.as<Shading>() == Shading::flat ? facets_ : shared_;
+    if (!buffers)
+        return {};
+    return {{"triangles", buffers->triangleCount()}, {"vertices", buffers->vertexCount()}};
+}
+
+}  // namespace quincunx
+
+QUINCUNX_DEFINE_LAB(quincunx::ShadingLab)

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "gl/executor.h"
+#include "passes/scene_buffers.h"
+
+namespace quincunx {
+
+/// Where the light is evaluated: once a triangle, once a vertex, once a fragment.
+enum class ShadingModel { flat, gouraud, phong };
+
+/// Pixels of the bound target, from its bottom left.
+struct PixelRect {
+    int x = 0;
+    int y = 0;
+    int width = 0;
+    int height = 0;
+};
+
+struct ShadingPassParams {
+    ShadingModel shading = ShadingModel::phong;
+    bool blinnPhong = true;         ///< else Phong's mirrored light
+    std::vector<bool> doubleSided;  ///< by instance: the back is lit as well, with the opposite normal
+    std::vector<bool> mirrored;     ///< by instance: its placement turns counter-clockwise into clockwise
+};
+
+/// The vertex layout that a shading model reads.
+SceneBuffers::Layout layoutFor(ShadingModel shading);
+
+/// Draws the background and every instance of `buffers`, whose blocks are up to date, into the bound target,
+/// whose depth is clear. Culls the backs of what is not double-sided. Leaves depth test and culling off.
+void drawShaded(graph::PassContext& context, const SceneBuffers& buffers, const ShadingPassParams& params);
+
+/// Runs `draw` on a part of the target only.
+template <typename Draw>
+void withScissor(const PixelRect& rect, Draw&& draw) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(rect.x, rect.y, rect.width, rect.height);
+    draw();
+    glDisable(GL_SCISSOR_TEST);
+}
+
+}  // namespace quincunx
