@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+
+#include <glm/glm.hpp>
+
+#include "image/image.h"
+#include "scene/still_life.h"
+
+namespace quincunx {
+
+/// Which terms of the local reflection model are added.
+///
+/// L = emission + ambient ⊙ ambientLight ⊙ base
+///     + Σ over lights of E ⊙ (diffuse ⊙ base · max(0, n·l) + specular · s)
+///
+/// with n the unit normal out of the solid, l the unit vector towards the light, v the one towards the eye,
+/// base the texture's colour (1 without one), and s = 0 unless n·l > 0, else, with shininess k,
+///   Phong:       s = max(0, r·v)^k,  r = 2 (n·l) n - l       (Phong 1975)
+///   Blinn–Phong: s = max(0, n·h)^k,  h = (l + v) / |l + v|   (Blinn 1977); 0 where l = -v
+/// where x^0 = 1 for every x, 0 included. E = color · intensity for a directional light; a point light's is
+/// divided by the squared distance, a spot's also multiplied with its cone (see shaders/lib/phong.glsl).
+/// As intensities are divided by π (scene.h), there is no π here. There are no shadows.
+struct PhongModel {
+    enum class Reflection { phong, blinnPhong };
+    Reflection reflection = Reflection::phong;
+    bool ambient = true;
+    bool diffuse = true;
+    bool specular = true;
+    bool emission = true;
+};
+
+/// The picture that drawing infinitely many triangles with shading per pixel tends to: one ray through each
+/// pixel's centre against the surfaces themselves, nearest hit between the camera's near and far planes, all
+/// in double, with the model's formulas written plainly.
+///
+/// Each object is first transformed by `worldFromWorld`, any affine map: it may shear, scale and mirror.
+/// Normals are carried by the cofactor matrix times the determinant's sign, so that they point out of the
+/// solid; an object that the map flattens is not drawn. Pixels without a hit get
+/// mix(backgroundBottom, backgroundTop, (height - y - ½) / height). The result is RGBA (A = 1), linear, and
+/// the same on any number of threads. When `stop` becomes true, the remaining rows are left at zero.
+Image traceReference(const StillLife& scene, const Camera& camera, int width, int height,
+                     const PhongModel& model = {}, const glm::mat4& worldFromWorld = glm::mat4(1),
+                     const std::atomic<bool>* stop = nullptr);
+
+}  // namespace quincunx
