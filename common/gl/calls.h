@@ -23,14 +23,18 @@ void watchCalls();
 /// GL calls since the program began.
 std::uint64_t callCount();
 
-/// Counts by function name while it lives (slower than callCount; for tests and `plan`).
+/// Counts by function name while it lives (slower than callCount; for tests and `plan`). Recorders nest: each
+/// counts all calls of its life.
 class CallRecorder {
   public:
     CallRecorder();
     ~CallRecorder();
     CallRecorder(const CallRecorder&) = delete;
     CallRecorder& operator=(const CallRecorder&) = delete;
-    const std::map<std::string, std::uint64_t>& calls() const;
+    const std::map<std::string, std::uint64_t>& calls() const { return calls_; }
+
+  private:
+    std::map<std::string, std::uint64_t> calls_;
 };
 
 }  // namespace quincunx::gl

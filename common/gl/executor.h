@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <list>
 #include <map>
 #include <memory>
 #include <string>
@@ -25,12 +27,19 @@ class PassContext {
 
 namespace quincunx::gl {
 
-/// Runs frame graphs on the current context, and keeps targets from one frame to the next.
+/// The GL format of a resource's texels.
+GLenum internalFormat(graph::Format format);
+
+/// Runs frame graphs on the current context, and keeps targets from one frame to the next; those that some
+/// frames had no use for are freed.
 class Executor {
   public:
-    /// Runs what the graph's outputs need. The outputs stay readable until the next call.
+    /// Runs what the graph's outputs need. The outputs stay readable until the next call. Each pass finds its
+    /// targets bound with undefined contents (it clears them itself), the viewport set to their size, and
+    /// GL_FRAMEBUFFER_SRGB enabled exactly when its first colour target is an sRGB format; all other state is
+    /// what the pass before left. An error in a pass is thrown with the pass' name, as the same type.
     void run(const graph::FrameGraph& graph);
-    /// The texture that holds an output of the last run.
+    /// The texture that holds an output of the last run; a check fails for other resources.
     const Texture2D& output(graph::Resource resource) const;
     ProgramCache& programs() { return programs_; }
     /// Bytes of all targets kept.
@@ -38,12 +47,20 @@ class Executor {
 
   private:
     struct Target {
-        std::unique_ptr<Texture2D> texture;
-        bool inUse = false;
+        Texture2D texture;
+        std::size_t bytes = 0;
+        std::uint64_t lastFrame = 0;
     };
-    std::vector<Target> pool_;
-    std::map<std::vector<GLuint>, Framebuffer> framebuffers_;
-    std::vector<const Texture2D*> byResource_;
+
+    const Texture2D& takeTarget(const graph::ResourceDescription& resource);
+    const Framebuffer& framebufferFor(const graph::FrameGraph& graph, const graph::PassDescription& pass);
+    void dropUnusedTargets();
+
+    std::uint64_t frame_ = 0;
+    std::list<Target> pool_;
+    std::map<std::vector<GLuint>, Framebuffer> framebuffers_;  ///< by the textures' names, depth last
+    std::vector<const Texture2D*> byResource_;                 ///< null where the last run had no use for one
+    std::vector<bool> isOutput_;
     ProgramCache programs_;
 };
 

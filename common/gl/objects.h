@@ -13,7 +13,7 @@
 #include "image/image.h"
 
 /// Owners of GL objects: made whole or not at all, labelled (KHR_debug) so that errors name them, deleted at
-/// the end of their life. Each must die while its context is current.
+/// the end of their life. Each must die while its context is current, or after every context is gone.
 namespace quincunx::gl {
 
 /// The name of one GL object of a kind; moves, never copies.
@@ -68,8 +68,8 @@ class Buffer {
   public:
     Buffer() = default;
     /// `target` is where it is first bound (GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GL_UNIFORM_BUFFER …).
-    /// Throws GlError if the device has no room. Binding an element buffer changes the bound vertex array:
-    /// pass it to VertexArray instead.
+    /// Throws GlError if the device has no room. Contents of element buffers travel by another target, so
+    /// that the bound vertex array stays as it is.
     Buffer(std::string_view label, GLenum target, std::span<const std::byte> contents,
            GLenum usage = GL_STATIC_DRAW);
     /// Replaces the contents; the size may change.
@@ -97,7 +97,7 @@ class VertexArray {
     };
     VertexArray() = default;
     explicit VertexArray(std::string_view label);
-    /// Reads one attribute from `buffer`, which must outlive this.
+    /// Reads one attribute from `buffer`, which must outlive this; leaves this vertex array bound.
     void attribute(const Buffer& buffer, const Attribute& attribute);
     /// Takes triangle indices from `buffer`, which must outlive this.
     void indices(const Buffer& buffer);
@@ -113,9 +113,10 @@ class Texture2D {
   public:
     Texture2D() = default;
     /// Storage only, undefined texels, one level. `internalFormat` is sized (GL_RGBA8, GL_SRGB8_ALPHA8,
-    /// GL_RGBA32F, GL_DEPTH_COMPONENT24 …).
+    /// GL_RGBA32F, GL_DEPTH_COMPONENT24 …). Sampled with the nearest texel, clamped to the edge.
     Texture2D(std::string_view label, GLenum internalFormat, int width, int height);
-    /// From pixels, with all mipmap levels; sRGB images are stored so that sampling gives linear light.
+    /// From pixels, with all mipmap levels; sRGB images are stored so that sampling gives linear light, and
+    /// grey images are sampled as grey. The image's top row is at t = 0. Sampled trilinearly, repeated.
     Texture2D(std::string_view label, const Image8& image);
     void bind(GLuint unit) const;
     void setFilter(GLenum minification, GLenum magnification);
@@ -151,7 +152,9 @@ class Framebuffer {
     int height_ = 0;
 };
 
-/// The pixels of a colour texture, top row first: 8-bit (sRGB formats keep their encoding) or float.
+/// The pixels of a texture as drawn into: top row (the largest y) first, four channels. sRGB formats keep
+/// their encoding; `readPixels8` clamps other formats to [0, 1]. Depth textures are for `readPixels` only,
+/// which then gives one channel.
 Image8 readPixels8(const Texture2D& texture);
 Image readPixels(const Texture2D& texture);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include <glm/glm.hpp>
 
+#include "base/error.h"
 #include "gl/objects.h"
 
 namespace quincunx::gl {
@@ -21,9 +23,9 @@ class ShaderError : public Error {
 };
 
 /// GLSL as its author wrote it: files under shaders/, pulled together by `#include "path/from/shaders.glsl"`
-/// (relative to the including file first, then to shaders/). Each file is included once. Cycles, depth over
-/// 32, a total over 4 MiB, missing files, and `#version` other than 330 core are ShaderErrors with file and
-/// line.
+/// (relative to the including file first, then to shaders/). Each file is included once, so that it needs no
+/// guards, and outside `#if`. The first line of the main file is `#version 330 core`. Cycles, depth over 32,
+/// a total over 4 MiB, missing files, and another `#version` are ShaderErrors with file and line.
 struct ShaderSource {
     std::string text;                          ///< what the compiler gets, with #line directives
     std::vector<std::filesystem::path> files;  ///< indexed by the source-string numbers of those #lines
@@ -31,7 +33,8 @@ struct ShaderSource {
 ShaderSource loadShader(const std::filesystem::path& file,
                         const std::vector<std::pair<std::string, std::string>>& defines = {});
 
-/// The driver's log with its "0:12(3): error" places turned into "file:line: ".
+/// The driver's log with its places ("0:12(3): error: …" of Mesa, "0(12) : error …" of NVIDIA, "ERROR: 0:12:
+/// …" of others) turned into "shaders/dir/file.frag:12: …".
 std::string authorsLog(std::string_view driverLog, const ShaderSource& source);
 
 /// Which files make a program and which `#define`s they see.
@@ -43,8 +46,17 @@ struct ProgramFiles {
     std::vector<std::pair<std::string, std::string>> defines;
 };
 
-/// A linked program. Uniforms are set by name; a name that the program does not have active is a GlError
-/// when `required`, else ignored; a value of another type than the uniform's is a GlError.
+/// The state of a file on disk, to see later whether it changed.
+struct FileStamp {
+    std::filesystem::path file;
+    std::filesystem::file_time_type time{};
+    std::uintmax_t size = 0;  ///< bytes; 0 when missing
+    bool operator==(const FileStamp&) const = default;
+};
+
+/// A linked program. Uniforms are set by name; one that the compiler found unused is ignored, a name that the
+/// sources never mention is a GlError, and so is a value of another type than the uniform's (`int` is for
+/// int, bool, samplers, and with a value ≥ 0 for uint). Elements of arrays are "name[2]".
 class Program {
   public:
     Program() = default;
@@ -52,6 +64,7 @@ class Program {
     explicit Program(ProgramFiles files);
 
     void use() const;
+    /// Sets a uniform, making this the program in use if it is not.
     void set(std::string_view name, int value) const;
     void set(std::string_view name, float value) const;
     void set(std::string_view name, const glm::vec2& value) const;
@@ -61,9 +74,12 @@ class Program {
     void set(std::string_view name, const glm::mat4& value) const;
     bool has(std::string_view name) const;
 
-    /// Builds again if a source file changed since. Returns false when nothing changed. A broken edit throws
-    /// ShaderError and keeps the last good program.
+    /// Builds again if a source file changed since. Returns false when nothing changed, or when a file is
+    /// missing or empty at the moment, as while an editor saves it. A broken edit throws ShaderError, once
+    /// until the next change, and keeps the last good program.
     bool reloadIfChanged();
+    /// What the last broken edit threw; empty when the program is as its files are.
+    const std::string& brokenEdit() const { return brokenEdit_; }
     const ProgramFiles& files() const { return files_; }
     GLuint get() const { return handle_.get(); }
 
@@ -73,20 +89,30 @@ class Program {
         GLint location = -1;
         GLenum type = 0;
     };
-    const Uniform* find(std::string_view name) const;
+    struct Built {
+        Handle<DeleteProgram> handle;
+        std::vector<Uniform> uniforms;
+        std::vector<std::string> words;
+    };
+    static Built build(const ProgramFiles& files, std::vector<FileStamp>& visited);
+    void adopt(Built&& built);
+    template <typename Accepts>
+    const Uniform* find(std::string_view name, std::string_view given, Accepts&& accepts) const;
 
     ProgramFiles files_;
-    std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> sources_;
-    std::vector<Uniform> uniforms_;  ///< sorted by name
+    std::vector<FileStamp> sources_;  ///< of the last attempt to build
+    std::vector<Uniform> uniforms_;   ///< sorted by name
+    std::vector<std::string> words_;  ///< identifiers of the sources, sorted
+    std::string brokenEdit_;
     Handle<DeleteProgram> handle_;
 };
 
 /// Programs by their files and defines: each is built once; all are reloaded together.
 class ProgramCache {
   public:
-    /// Builds the program the first time it is asked for.
+    /// Builds the program the first time it is asked for; labels make no difference.
     const Program& get(const ProgramFiles& files);
-    /// Rebuilds what changed on disk. Returns the message of the first broken edit, or nothing.
+    /// Rebuilds what changed on disk. Returns the message of the first edit that is broken still, or nothing.
     std::optional<std::string> reloadChanged();
     std::size_t size() const { return programs_.size(); }
 

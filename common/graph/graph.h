@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,15 +58,17 @@ struct Plan {
 
 class FrameGraph {
   public:
+    /// Throws InputError for an empty name, one that another resource has, or a size below 1×1.
     Resource addResource(ResourceDescription description);
-    /// Errors (bad handles, two depth targets, targets of different sizes) throw InputError naming the pass.
+    /// Errors (bad handles, two depth targets, targets of different sizes, a resource both read and written)
+    /// throw InputError naming the pass. A pass without writes is never needed.
     Pass addPass(PassDescription description);
     /// Marks a resource as wanted outside: it and what leads to it will run. It never shares its target.
     void addOutput(Resource resource);
 
     /// Orders the passes (each after those whose results it reads; ties in the order of adding), drops the
     /// unneeded, assigns targets. Throws InputError naming pass and resource for a cycle, for a resource
-    /// written twice, and for one that is read but never written.
+    /// written twice, and for one that is read or an output but never written.
     Plan compile() const;
 
     const ResourceDescription& resource(Resource handle) const;
@@ -84,7 +87,8 @@ class FrameGraph {
   private:
     std::vector<ResourceDescription> resources_;
     std::vector<PassDescription> passes_;
-    std::vector<Resource> outputs_;
+    std::vector<bool> isOutput_;  ///< by resource
+    std::map<std::string, std::size_t, std::less<>> resourceByName_;
 };
 
 }  // namespace quincunx::graph

@@ -1,0 +1,381 @@
+#include "gl/objects.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "base/check.h"
+#include "base/error.h"
+#include "gl/backends.h"
+#include "gl/calls.h"
+
+namespace quincunx::gl {
+namespace {
+
+/// Destructors must not throw: a name that the driver does not want to delete stays its own until the context
+/// ends.
+template <typename Delete>
+void deleteQuietly(Delete&& deletion) noexcept {
+    if (!detail::anyCurrent())
+        return;
+    try {
+        deletion();
+    } catch (const Error&) {
+    }
+}
+
+/// How texels of a sized internal format are handed over.
+struct Transfer {
+    GLenum format = GL_RGBA;
+    GLenum type = GL_UNSIGNED_BYTE;
+};
+
+Transfer transferOf(GLenum internalFormat) {
+    switch (internalFormat) {
+        case GL_DEPTH_COMPONENT16:
+        case GL_DEPTH_COMPONENT24:
+        case GL_DEPTH_COMPONENT32:
+        case GL_DEPTH_COMPONENT32F:
+            return {GL_DEPTH_COMPONENT, GL_FLOAT};
+        case GL_DEPTH24_STENCIL8:
+            return {GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8};
+        case GL_DEPTH32F_STENCIL8:
+            return {GL_DEPTH_STENCIL, GL_FLOAT_32_UNSIGNED_INT_24_8_REV};
+        case GL_R8UI:
+        case GL_R16UI:
+        case GL_R32UI:
+            return {GL_RED_INTEGER, GL_UNSIGNED_INT};
+        case GL_R32I:
+            return {GL_RED_INTEGER, GL_INT};
+        case GL_RGBA8UI:
+        case GL_RGBA16UI:
+        case GL_RGBA32UI:
+            return {GL_RGBA_INTEGER, GL_UNSIGNED_INT};
+        case GL_R16F:
+        case GL_R32F:
+        case GL_RG16F:
+        case GL_RG32F:
+        case GL_RGB16F:
+        case GL_RGB32F:
+        case GL_RGBA16F:
+        case GL_RGBA32F:
+        case GL_R11F_G11F_B10F:
+            return {GL_RGBA, GL_FLOAT};
+        default:
+            return {};
+    }
+}
+
+bool isDepth(GLenum internalFormat) {
+    const GLenum format = transferOf(internalFormat).format;
+    return format == GL_DEPTH_COMPONENT || format == GL_DEPTH_STENCIL;
+}
+
+bool isSrgb(GLenum internalFormat) {
+    return internalFormat == GL_SRGB8 || internalFormat == GL_SRGB8_ALPHA8;
+}
+
+std::string formatName(GLenum internalFormat) {
+    static constexpr std::pair<GLenum, const char*> names[] = {
+        {GL_R8, "R8"},
+        {GL_RG8, "RG8"},
+        {GL_RGB8, "RGB8"},
+        {GL_RGBA8, "RGBA8"},
+        {GL_SRGB8, "SRGB8"},
+        {GL_SRGB8_ALPHA8, "SRGB8_ALPHA8"},
+        {GL_R16F, "R16F"},
+        {GL_R32F, "R32F"},
+        {GL_RG16F, "RG16F"},
+        {GL_RG32F, "RG32F"},
+        {GL_RGB16F, "RGB16F"},
+        {GL_RGB32F, "RGB32F"},
+        {GL_RGBA16F, "RGBA16F"},
+        {GL_RGBA32F, "RGBA32F"},
+        {GL_RGB9_E5, "RGB9_E5"},
+        {GL_DEPTH_COMPONENT16, "DEPTH16"},
+        {GL_DEPTH_COMPONENT24, "DEPTH24"},
+        {GL_DEPTH_COMPONENT32F, "DEPTH32F"},
+        {GL_DEPTH24_STENCIL8, "DEPTH24_STENCIL8"},
+        {GL_DEPTH32F_STENCIL8, "DEPTH32F_STENCIL8"},
+    };
+    for (const auto& [format, name] : names)
+        if (format == internalFormat)
+            return name;
+    return fmt::format("format {:#06x}", internalFormat);
+}
+
+std::string statusName(GLenum status) {
+    switch (status) {
+        case GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT:
+            return "an attachment cannot be drawn into";
+        case GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT:
+            return "it has no attachment";
+        case GL_FRAMEBUFFER_INCOMPLETE_DRAW_BUFFER:
+            return "a draw buffer has no attachment";
+        case GL_FRAMEBUFFER_INCOMPLETE_MULTISAMPLE:
+            return "attachments differ in their samples";
+        case GL_FRAMEBUFFER_INCOMPLETE_LAYER_TARGETS:
+            return "attachments differ in their layers";
+        case GL_FRAMEBUFFER_UNSUPPORTED:
+            return "the driver does not support this combination";
+        default:
+            return fmt::format("status {:#06x}", status);
+    }
+}
+
+void checkSize(std::string_view label, int width, int height) {
+    GLint limit = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+    if (width < 1 || height < 1 || width > limit || height > limit)
+        throw InputError(
+            fmt::format("a texture of {}×{} texels; this driver takes 1 to {} a side", width, height, limit),
+            fmt::format("texture \"{}\"", label), "choose another size");
+}
+
+template <typename Generate>
+GLuint newName(Generate&& generate) {
+    GLuint name = 0;
+    generate(1, &name);
+    return name;
+}
+
+/// Where contents are uploaded without touching state that draws depend on.
+GLenum uploadTarget(GLenum target) {
+    return target == GL_ELEMENT_ARRAY_BUFFER ? GL_COPY_WRITE_BUFFER : target;
+}
+
+template <typename Channel>
+void flipRows(BasicImage<Channel>& image) {
+    const auto row = static_cast<std::ptrdiff_t>(image.width) * image.channels;
+    for (int top = 0, bottom = image.height - 1; top < bottom; ++top, --bottom)
+        std::swap_ranges(image.data.begin() + top * row, image.data.begin() + (top + 1) * row,
+                         image.data.begin() + bottom * row);
+}
+
+/// The texels of level 0, bottom row first as GL has them, turned top row first.
+template <typename Channel>
+BasicImage<Channel> download(const Texture2D& texture, int channels, GLenum format, GLenum type) {
+    BasicImage<Channel> image(texture.width(), texture.height(), channels,
+                              isSrgb(texture.internalFormat()) ? Encoding::srgb : Encoding::linear);
+    glBindTexture(GL_TEXTURE_2D, texture.get());
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glGetTexImage(GL_TEXTURE_2D, 0, format, type, image.data.data());
+    flipRows(image);
+    return image;
+}
+
+}  // namespace
+
+void DeleteBuffer::operator()(GLuint name) const {
+    deleteQuietly([&] { glDeleteBuffers(1, &name); });
+}
+void DeleteVertexArray::operator()(GLuint name) const {
+    deleteQuietly([&] { glDeleteVertexArrays(1, &name); });
+}
+void DeleteTexture::operator()(GLuint name) const {
+    deleteQuietly([&] { glDeleteTextures(1, &name); });
+}
+void DeleteFramebuffer::operator()(GLuint name) const {
+    deleteQuietly([&] { glDeleteFramebuffers(1, &name); });
+}
+void DeleteRenderbuffer::operator()(GLuint name) const {
+    deleteQuietly([&] { glDeleteRenderbuffers(1, &name); });
+}
+void DeleteProgram::operator()(GLuint name) const {
+    if (detail::programInUse() == name)
+        detail::programInUse() = 0;
+    deleteQuietly([&] { glDeleteProgram(name); });
+}
+void DeleteQuery::operator()(GLuint name) const {
+    deleteQuietly([&] { glDeleteQueries(1, &name); });
+}
+
+void setLabel(GLenum identifier, GLuint name, std::string_view label) {
+    // The least GL_MAX_LABEL_LENGTH that KHR_debug allows, with the end mark.
+    constexpr std::size_t maxLength = 255;
+    if (GLAD_GL_KHR_debug != 0 && !label.empty())
+        glObjectLabel(identifier, name, static_cast<GLsizei>(std::min(label.size(), maxLength)),
+                      label.data());
+}
+
+Buffer::Buffer(std::string_view label, GLenum target, std::span<const std::byte> contents, GLenum usage)
+    : handle_(newName(glGenBuffers)), target_(target), usage_(usage) {
+    upload(contents);
+    setLabel(GL_BUFFER, get(), label);
+}
+
+void Buffer::upload(std::span<const std::byte> contents) {
+    QX_CHECK(handle_);
+    const GLenum target = uploadTarget(target_);
+    glBindBuffer(target, get());
+    glBufferData(target, static_cast<GLsizeiptr>(contents.size()), contents.data(), usage_);
+    size_ = contents.size();
+}
+
+VertexArray::VertexArray(std::string_view label) : handle_(newName(glGenVertexArrays)) {
+    bind();
+    setLabel(GL_VERTEX_ARRAY, get(), label);
+}
+
+void VertexArray::attribute(const Buffer& buffer, const Attribute& attribute) {
+    bind();
+    glBindBuffer(GL_ARRAY_BUFFER, buffer.get());
+    glEnableVertexAttribArray(attribute.location);
+    glVertexAttribPointer(attribute.location, attribute.components, attribute.type,
+                          attribute.normalized ? GL_TRUE : GL_FALSE, attribute.strideBytes,
+                          reinterpret_cast<const void*>(attribute.offsetBytes));
+}
+
+void VertexArray::indices(const Buffer& buffer) {
+    bind();
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffer.get());
+}
+
+void VertexArray::bind() const {
+    QX_CHECK(handle_);
+    glBindVertexArray(get());
+}
+
+Texture2D::Texture2D(std::string_view label, GLenum internalFormat, int width, int height)
+    : width_(width), height_(height), internalFormat_(internalFormat) {
+    checkSize(label, width, height);
+    handle_ = Handle<DeleteTexture>(newName(glGenTextures));
+    glBindTexture(GL_TEXTURE_2D, get());
+    const auto [format, type] = transferOf(internalFormat);
+    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internalFormat), width, height, 0, format, type,
+                 nullptr);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    setFilter(GL_NEAREST, GL_NEAREST);
+    setWrap(GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
+    setLabel(GL_TEXTURE, get(), label);
+}
+
+Texture2D::Texture2D(std::string_view label, const Image8& image)
+    : width_(image.width), height_(image.height) {
+    checkSize(label, width_, height_);
+    QX_CHECK_GE(image.channels, 1);
+    QX_CHECK_LE(image.channels, 4);
+    QX_CHECK_EQ(image.data.size(), image.pixelCount() * static_cast<std::size_t>(image.channels));
+    const bool srgb = image.encoding == Encoding::srgb;
+    // No one- or two-channel format decodes sRGB: grey is stored three times there.
+    const bool spread = srgb && image.channels < 3;
+    std::vector<std::uint8_t> spreadTexels;
+    if (spread) {
+        const std::size_t stride = image.channels == 1 ? 3 : 4;
+        spreadTexels.resize(image.pixelCount() * stride);
+        for (std::size_t i = 0; i < image.pixelCount(); ++i) {
+            const std::uint8_t* texel = &image.data[i * static_cast<std::size_t>(image.channels)];
+            std::fill_n(&spreadTexels[i * stride], 3, texel[0]);
+            if (stride == 4)
+                spreadTexels[i * stride + 3] = texel[1];
+        }
+    }
+    const int channels = spread ? image.channels + 2 : image.channels;
+    static constexpr GLenum formats[] = {GL_RED, GL_RG, GL_RGB, GL_RGBA};
+    static constexpr GLenum linearFormats[] = {GL_R8, GL_RG8, GL_RGB8, GL_RGBA8};
+    internalFormat_ = !srgb ? linearFormats[channels - 1] : channels == 3 ? GL_SRGB8 : GL_SRGB8_ALPHA8;
+
+    handle_ = Handle<DeleteTexture>(newName(glGenTextures));
+    glBindTexture(GL_TEXTURE_2D, get());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internalFormat_), width_, height_, 0,
+                 formats[channels - 1], GL_UNSIGNED_BYTE, spread ? spreadTexels.data() : image.data.data());
+    if (channels < 3) {
+        const GLint alpha = channels == 2 ? GL_GREEN : GL_ONE;
+        const GLint swizzle[] = {GL_RED, GL_RED, GL_RED, alpha};
+        glTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_RGBA, swizzle);
+    }
+    glGenerateMipmap(GL_TEXTURE_2D);
+    setFilter(GL_LINEAR_MIPMAP_LINEAR, GL_LINEAR);
+    setWrap(GL_REPEAT, GL_REPEAT);
+    setLabel(GL_TEXTURE, get(), label);
+}
+
+void Texture2D::bind(GLuint unit) const {
+    QX_CHECK(handle_);
+    glActiveTexture(GL_TEXTURE0 + unit);
+    glBindTexture(GL_TEXTURE_2D, get());
+}
+
+void Texture2D::setFilter(GLenum minification, GLenum magnification) {
+    glBindTexture(GL_TEXTURE_2D, get());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(minification));
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(magnification));
+}
+
+void Texture2D::setWrap(GLenum s, GLenum t) {
+    glBindTexture(GL_TEXTURE_2D, get());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, static_cast<GLint>(s));
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, static_cast<GLint>(t));
+}
+
+Framebuffer::Framebuffer(std::string_view label, std::span<const Texture2D* const> colors,
+                         const Texture2D* depth)
+    : handle_(newName(glGenFramebuffers)) {
+    std::string attachments;
+    bool sizesAgree = true;
+    const auto list = [&](const std::string& place, const Texture2D& texture) {
+        attachments += fmt::format("{}{} {} {}×{}", attachments.empty() ? "" : ", ", place,
+                                   formatName(texture.internalFormat()), texture.width(), texture.height());
+        if (width_ == 0) {
+            width_ = texture.width();
+            height_ = texture.height();
+        }
+        sizesAgree = sizesAgree && width_ == texture.width() && height_ == texture.height();
+    };
+    glBindFramebuffer(GL_FRAMEBUFFER, get());
+    std::vector<GLenum> drawBuffers;
+    for (const Texture2D* color : colors) {
+        const auto attachment = static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + drawBuffers.size());
+        list(fmt::format("colour {}", drawBuffers.size()), *color);
+        glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, color->get(), 0);
+        drawBuffers.push_back(attachment);
+    }
+    if (depth != nullptr) {
+        const bool stencil = transferOf(depth->internalFormat()).format == GL_DEPTH_STENCIL;
+        list(stencil ? "depth and stencil" : "depth", *depth);
+        glFramebufferTexture2D(GL_FRAMEBUFFER, stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT,
+                               GL_TEXTURE_2D, depth->get(), 0);
+    }
+    if (drawBuffers.empty()) {
+        glDrawBuffer(GL_NONE);
+        glReadBuffer(GL_NONE);
+    } else {
+        glDrawBuffers(static_cast<GLsizei>(drawBuffers.size()), drawBuffers.data());
+    }
+    const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+    if (status != GL_FRAMEBUFFER_COMPLETE || !sizesAgree)
+        throw GlError(
+            fmt::format("incomplete, because {}; attachments: {}",
+                        status != GL_FRAMEBUFFER_COMPLETE ? statusName(status) : "attachments differ in size",
+                        attachments.empty() ? "none" : attachments),
+            fmt::format("framebuffer \"{}\"", label));
+    setLabel(GL_FRAMEBUFFER, get(), label);
+}
+
+void Framebuffer::bind() const {
+    QX_CHECK(handle_);
+    glBindFramebuffer(GL_FRAMEBUFFER, get());
+    glViewport(0, 0, width_, height_);
+}
+
+Image8 readPixels8(const Texture2D& texture) {
+    QX_CHECK(!isDepth(texture.internalFormat()));
+    return download<std::uint8_t>(texture, 4, GL_RGBA, GL_UNSIGNED_BYTE);
+}
+
+Image readPixels(const Texture2D& texture) {
+    if (isDepth(texture.internalFormat()))
+        return download<float>(texture, 1, GL_DEPTH_COMPONENT, GL_FLOAT);
+    if (!isSrgb(texture.internalFormat()))
+        return download<float>(texture, 4, GL_RGBA, GL_FLOAT);
+    // Drivers disagree on whether reading sRGB texels as floats decodes them; as bytes none does.
+    const Image8 bytes = readPixels8(texture);
+    Image image(bytes.width, bytes.height, bytes.channels, Encoding::srgb);
+    std::transform(bytes.data.begin(), bytes.data.end(), image.data.begin(),
+                   [](std::uint8_t byte) { return static_cast<float>(byte) / 255.0f; });
+    return image;
+}
+
+}  // namespace quincunx::gl
