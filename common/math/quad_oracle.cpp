@@ -1,0 +1,118 @@
+#include "math/quad_oracle.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace quincunx {
+namespace {
+
+/// ln 2 as the sum of three doubles, 159 bits.
+constexpr double logTwo[3] = {0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56, 0x1.7b57a079a1934p-111};
+
+/// 1/k at index k.
+const std::array<Quad, 32>& reciprocals() {
+    static const std::array<Quad, 32> table = [] {
+        std::array<Quad, 32> filled{};
+        for (std::size_t k = 1; k < filled.size(); ++k)
+            filled[k] = Quad(1) / static_cast<double>(k);
+        return filled;
+    }();
+    return table;
+}
+
+struct SineCosine {
+    Quad sine;
+    Quad cosine;
+};
+
+/// |x| ≤ π. The Taylor series at x/16, then the angle doubled four times, each doubling at the cost of two
+/// bits.
+SineCosine sineCosine(Quad x) {
+    const Quad reduced = x / 16;
+    const std::array<Quad, 32>& reciprocal = reciprocals();
+    Quad sine = 0;
+    Quad versine = 0;  // 1 − cos
+    Quad term = reduced;
+    // |reduced| < 0.2: the 25th term is below 2^-140.
+    for (std::size_t k = 1; k < 24; k += 2) {
+        sine += term;
+        term *= reduced * reciprocal[k + 1];
+        versine += term;
+        term *= -reduced * reciprocal[k + 2];
+    }
+    for (int doubling = 0; doubling < 4; ++doubling) {
+        const Quad nextVersine = 2 * sine * sine;
+        sine = 2 * sine * (1 - versine);
+        versine = nextVersine;
+    }
+    return {sine, 1 - versine};
+}
+
+}  // namespace
+
+Quad squareRoot(Quad x) {
+    if (!(x > 0))
+        return 0;
+    // Scaled by a power of four into the range of double.
+    Quad scale = 1;
+    Quad scaled = x;
+    while (scaled > 0x1p1000) {
+        scaled *= 0x1p-1000;
+        scale *= 0x1p500;
+    }
+    while (scaled < 0x1p-1000) {
+        scaled *= 0x1p1000;
+        scale *= 0x1p-500;
+    }
+    // Newton's steps double the 53 bits twice.
+    Quad root = std::sqrt(static_cast<double>(scaled));
+    root = (root + scaled / root) / 2;
+    root = (root + scaled / root) / 2;
+    return root * scale;
+}
+
+Quad exponential(Quad x) {
+    const double count = std::nearbyint(static_cast<double>(x) / logTwo[0]);
+    // The first product is exact: count has 11 bits at most, but logTwo[0] has 53, together below 113.
+    const Quad reduced =
+        (((x - static_cast<Quad>(count) * logTwo[0]) - static_cast<Quad>(count) * logTwo[1]) -
+         static_cast<Quad>(count) * logTwo[2]) *
+        0x1p-5;
+    Quad sum = 0;
+    Quad term = 1;
+    const std::array<Quad, 32>& reciprocal = reciprocals();
+    // |reduced| < 0.011: the 15th term is below 2^-135.
+    for (std::size_t k = 1; k < 15; ++k) {
+        term *= reduced * reciprocal[k];
+        sum += term;
+    }
+    // eʸ − 1 doubles its argument without losing bits: (1 + s)² − 1 = s (2 + s).
+    for (int doubling = 0; doubling < 5; ++doubling)
+        sum = sum * (2 + sum);
+    const int exponent = static_cast<int>(count);
+    const int half = exponent / 2;
+    return (1 + sum) * std::scalbn(1.0, half) * std::scalbn(1.0, exponent - half);
+}
+
+Quad logarithm(Quad x) {
+    const Quad start = std::log(static_cast<double>(x));
+    const Quad power = exponential(start);
+    // Halley's step: the error of double, 2^-53, is cubed.
+    return start + 2 * (x - power) / (x + power);
+}
+
+Quad tangent(Quad x) {
+    const SineCosine at = sineCosine(x);
+    return at.sine / at.cosine;
+}
+
+Quad arcTangent(Quad y, Quad x) {
+    const Quad start = std::atan2(static_cast<double>(y), static_cast<double>(x));
+    const SineCosine at = sineCosine(start);
+    // The angle left over, below 2^-50: its tangent differs by a third of its cube.
+    const Quad rest = (y * at.cosine - x * at.sine) / (x * at.cosine + y * at.sine);
+    return start + rest;
+}
+
+}  // namespace quincunx

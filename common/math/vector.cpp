@@ -1,0 +1,175 @@
+#include "math/vector.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace quincunx {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double sumOfSquares(glm::dvec3 v) {
+    return v.x * v.x + v.y * v.y + v.z * v.z;
+}
+
+/// Sums of squares between these are right to 3 u as they are: squares that vanished are below 2^-1022, and
+/// 2^-1022 / 2^-900 is far less than u.
+constexpr double smallestSafeSquare = 0x1p-900;
+constexpr double largestSafeSquare = 0x1p1000;
+
+struct Scaled {
+    glm::dvec3 vector;  ///< largest component in [1, 2)
+    int exponent;
+};
+
+/// v is finite and not zero. Exact unless a component is 2^-1022 of the largest.
+Scaled scaleToOne(glm::dvec3 v) {
+    const int exponent = std::ilogb(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
+    return {{std::scalbn(v.x, -exponent), std::scalbn(v.y, -exponent), std::scalbn(v.z, -exponent)},
+            exponent};
+}
+
+}  // namespace
+
+float dotNaive(glm::vec3 a, glm::vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+glm::vec3 crossNaive(glm::vec3 a, glm::vec3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+double length(glm::dvec3 v) {
+    const double squared = sumOfSquares(v);
+    if (squared >= smallestSafeSquare && squared <= largestSafeSquare)
+        return std::sqrt(squared);
+    if (!isFinite(v))
+        return infinity;
+    if (v == glm::dvec3(0))
+        return 0;
+    const Scaled scaled = scaleToOne(v);
+    return std::scalbn(std::sqrt(sumOfSquares(scaled.vector)), scaled.exponent);
+}
+
+float lengthNaive(glm::vec3 v) {
+    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+std::optional<glm::dvec3> normalize(glm::dvec3 v) {
+    const double squared = sumOfSquares(v);
+    if (squared >= smallestSafeSquare && squared <= largestSafeSquare)
+        return v / std::sqrt(squared);
+    if (!isFinite(v) || v == glm::dvec3(0))
+        return std::nullopt;
+    const glm::dvec3 scaled = scaleToOne(v).vector;
+    return scaled / std::sqrt(sumOfSquares(scaled));
+}
+
+std::optional<glm::vec3> normalizePrescaled(glm::vec3 v) {
+    if (!isFinite(v) || v == glm::vec3(0))
+        return std::nullopt;
+    const int exponent = std::ilogb(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
+    const glm::vec3 scaled(std::scalbn(v.x, -exponent), std::scalbn(v.y, -exponent),
+                           std::scalbn(v.z, -exponent));
+    return scaled / std::sqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z);
+}
+
+glm::vec3 normalizeNaive(glm::vec3 v) {
+    return v / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+glm::dvec3 normalizeNaive(glm::dvec3 v) {
+    return v / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+std::optional<float> angleBetween(glm::vec3 a, glm::vec3 b) {
+    if (!isFinite(a) || !isFinite(b) || a == glm::vec3(0) || b == glm::vec3(0))
+        return std::nullopt;
+    return static_cast<float>(std::atan2(std::sqrt(sumOfSquares(crossInDouble(a, b))), dotInDouble(a, b)));
+}
+
+float angleBetweenNaive(glm::vec3 unitA, glm::vec3 unitB) {
+    return std::acos(dotNaive(unitA, unitB));
+}
+
+std::optional<glm::dmat3> basisAround(glm::dvec3 direction) {
+    const std::optional<glm::dvec3> unit = normalize(direction);
+    if (!unit)
+        return std::nullopt;
+    const glm::dvec3 n = *unit;
+    const double sign = std::copysign(1.0, n.z);
+    const double a = -1 / (sign + n.z);
+    const double b = n.x * n.y * a;
+    return glm::dmat3(glm::dvec3(1 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+                      glm::dvec3(b, sign + n.y * n.y * a, -n.y), n);
+}
+
+std::optional<glm::mat3> basisAround(glm::vec3 direction) {
+    const std::optional<glm::dmat3> basis = basisAround(glm::dvec3(direction));
+    return basis ? std::optional(glm::mat3(*basis)) : std::nullopt;
+}
+
+glm::mat3 basisAroundNaive(glm::vec3 unitDirection) {
+    const glm::vec3 n = unitDirection;
+    if (n.z == -1)
+        return {glm::vec3(0, -1, 0), glm::vec3(-1, 0, 0), n};
+    const float a = 1 / (1 + n.z);
+    const float b = -n.x * n.y * a;
+    return {glm::vec3(1 - n.x * n.x * a, b, -n.x), glm::vec3(b, 1 - n.y * n.y * a, -n.y), n};
+}
+
+std::optional<glm::vec3> reflect(glm::vec3 towardsSurface, glm::vec3 normal) {
+    const glm::dvec3 n(normal);
+    const double squared = sumOfSquares(n);
+    if (!(squared > 0 && squared < infinity))
+        return std::nullopt;
+    const glm::vec3 reflected(glm::dvec3(towardsSurface) -
+                              2 * (dotInDouble(normal, towardsSurface) / squared) * n);
+    return isFinite(reflected) ? std::optional(reflected) : std::nullopt;
+}
+
+glm::vec3 reflectNaive(glm::vec3 towardsSurface, glm::vec3 unitNormal) {
+    return towardsSurface - 2 * dotNaive(unitNormal, towardsSurface) * unitNormal;
+}
+
+std::optional<glm::vec3> mirrorDirection(glm::vec3 awayFromSurface, glm::vec3 normal) {
+    return reflect(-awayFromSurface, normal);
+}
+
+glm::vec3 mirrorDirectionNaive(glm::vec3 awayFromSurface, glm::vec3 unitNormal) {
+    return -awayFromSurface + 2 * dotNaive(unitNormal, awayFromSurface) * unitNormal;
+}
+
+std::optional<glm::vec3> halfVector(glm::vec3 wi, glm::vec3 wo) {
+    const std::optional<glm::dvec3> unitWi = normalize(glm::dvec3(wi));
+    const std::optional<glm::dvec3> unitWo = normalize(glm::dvec3(wo));
+    if (!unitWi || !unitWo)
+        return std::nullopt;
+    const bool acute = glm::dot(*unitWi, *unitWo) >= 0;
+    const std::optional<glm::dvec3> half =
+        normalize(acute ? *unitWi + *unitWo : glm::cross(crossInDouble(wi, wo), *unitWi - *unitWo));
+    return half ? std::optional(glm::vec3(*half)) : std::nullopt;
+}
+
+glm::vec3 halfVectorNaive(glm::vec3 unitWi, glm::vec3 unitWo) {
+    return normalizeNaive(unitWi + unitWo);
+}
+
+float cosinePower(glm::vec3 a, glm::vec3 b, float exponent) {
+    QX_CHECK(exponent >= 0 && std::isfinite(exponent));
+    const double scaledCosine = dotInDouble(a, b);
+    if (!(scaledCosine > 0 && scaledCosine < infinity))
+        return 0;
+    const double squares = sumOfSquares(a) * sumOfSquares(b);
+    const double sineSquared = sumOfSquares(crossInDouble(a, b)) / squares;
+    const double logCosine =
+        sineSquared < 0.5 ? 0.5 * std::log1p(-sineSquared) : std::log(scaledCosine / std::sqrt(squares));
+    return static_cast<float>(std::exp(exponent * logCosine));
+}
+
+float cosinePowerNaive(glm::vec3 unitA, glm::vec3 unitB, float exponent) {
+    return std::pow(std::max(dotNaive(unitA, unitB), 0.0f), exponent);
+}
+
+}  // namespace quincunx
