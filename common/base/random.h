@@ -30,13 +30,14 @@ class Random {
     std::uint64_t below(std::uint64_t count) {
         const std::uint64_t unfair = (0 - count) % count;
         for (;;) {
-            const auto product = static_cast<unsigned __int128>(bits()) * count;
+            const Wide product = static_cast<Wide>(bits()) * count;
             if (static_cast<std::uint64_t>(product) >= unfair)
                 return static_cast<std::uint64_t>(product >> 64);
         }
     }
 
   private:
+    __extension__ using Wide = unsigned __int128;
     std::uint64_t state_;
 };
 

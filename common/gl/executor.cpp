@@ -19,8 +19,8 @@ constexpr std::uint64_t idleFrames = 8;
 class RunningPass final : public graph::PassContext {
   public:
     RunningPass(const graph::PassDescription& pass, const std::vector<const Texture2D*>& textures,
-                ProgramCache& programs)
-        : pass_(pass), textures_(textures), programs_(programs) {}
+                ProgramCache& programs, const VertexArray& noAttributes)
+        : pass_(pass), textures_(textures), programs_(programs), noAttributes_(noAttributes) {}
 
     const Texture2D& texture(graph::Resource resource) const override {
         const auto in = [&](const std::vector<graph::Resource>& list) {
@@ -32,10 +32,16 @@ class RunningPass final : public graph::PassContext {
 
     ProgramCache& programs() override { return programs_; }
 
+    void drawFullscreen() override {
+        noAttributes_.bind();
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+    }
+
   private:
     const graph::PassDescription& pass_;
     const std::vector<const Texture2D*>& textures_;
     ProgramCache& programs_;
+    const VertexArray& noAttributes_;
 };
 
 /// Rethrows the exception being handled with the pass' name.
@@ -97,7 +103,7 @@ void Executor::run(const graph::FrameGraph& graph) {
     std::optional<bool> srgbEnabled;
     for (const graph::Pass handle : plan.order) {
         const graph::PassDescription& pass = graph.pass(handle);
-        RunningPass context(pass, byResource_, programs_);
+        RunningPass context(pass, byResource_, programs_, noAttributes_);
         try {
             framebufferFor(graph, pass).bind();
             const auto color = std::find_if(pass.writes.begin(), pass.writes.end(), [&](auto resource) {

@@ -310,6 +310,16 @@ void Texture2D::setWrap(GLenum s, GLenum t) {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, static_cast<GLint>(t));
 }
 
+Query::Query(std::string_view label, GLenum target) : target_(target) {
+    GLuint name = 0;
+    glGenQueries(1, &name);
+    handle_ = Handle<DeleteQuery>(name);
+    // A query has no target, and no label, before its first use.
+    glBeginQuery(target, name);
+    glEndQuery(target);
+    setLabel(GL_QUERY, name, label);
+}
+
 Framebuffer::Framebuffer(std::string_view label, std::span<const Texture2D* const> colors,
                          const Texture2D* depth)
     : handle_(newName(glGenFramebuffers)) {

@@ -152,6 +152,27 @@ class Framebuffer {
     int height_ = 0;
 };
 
+/// Counts what the device does while it draws.
+class Query {
+  public:
+    /// `target`: GL_SAMPLES_PASSED, GL_PRIMITIVES_GENERATED, GL_TIME_ELAPSED …
+    Query(std::string_view label, GLenum target);
+    /// The count over `work`; waits for the device.
+    template <typename Work>
+    std::uint64_t count(Work&& work) const {
+        glBeginQuery(target_, handle_.get());
+        work();
+        glEndQuery(target_);
+        GLuint64 result = 0;
+        glGetQueryObjectui64v(handle_.get(), GL_QUERY_RESULT, &result);
+        return result;
+    }
+
+  private:
+    Handle<DeleteQuery> handle_;
+    GLenum target_;
+};
+
 /// The pixels of a texture as drawn into: top row (the largest y) first, four channels. sRGB formats keep
 /// their encoding; `readPixels8` clamps other formats to [0, 1]. Depth textures are for `readPixels` only,
 /// which then gives one channel.

@@ -198,6 +198,9 @@ Program::Built Program::build(const ProgramFiles& files, std::vector<FileStamp>&
     for (const auto& shader : shaders)
         glDetachShader(name, shader.get());
     setLabel(GL_PROGRAM, name, files.label);
+    for (const BlockBinding& block : files.blocks)
+        if (const GLuint index = glGetUniformBlockIndex(name, block.block.c_str()); index != GL_INVALID_INDEX)
+            glUniformBlockBinding(name, index, block.binding);
 
     GLint count = 0;
     GLint maxLength = 0;

@@ -37,13 +37,22 @@ ShaderSource loadShader(const std::filesystem::path& file,
 /// …" of others) turned into "shaders/dir/file.frag:12: …".
 std::string authorsLog(std::string_view driverLog, const ShaderSource& source);
 
-/// Which files make a program and which `#define`s they see.
+/// Which buffer binding a uniform block reads; GLSL 3.30 cannot say it.
+struct BlockBinding {
+    std::string block;
+    GLuint binding = 0;
+    bool operator==(const BlockBinding&) const = default;
+};
+
+/// Which files make a program, which `#define`s they see, and where its uniform blocks are bound. Blocks that
+/// the program does not use are passed over.
 struct ProgramFiles {
     std::string label;
-    std::string vertex;    ///< relative to shaders/
-    std::string fragment;  ///< relative to shaders/
-    std::string geometry;  ///< empty: none
-    std::vector<std::pair<std::string, std::string>> defines;
+    std::string vertex;      ///< relative to shaders/
+    std::string fragment;    ///< relative to shaders/
+    std::string geometry{};  ///< empty: none
+    std::vector<std::pair<std::string, std::string>> defines{};
+    std::vector<BlockBinding> blocks{};
 };
 
 /// The state of a file on disk, to see later whether it changed.

@@ -17,7 +17,7 @@ namespace quincunx {
 namespace {
 
 /// `text` as a single-quoted gnuplot string.
-std::string quoted(std::string_view text) {
+std::string gnuplotString(std::string_view text) {
     std::string result = "'";
     for (const char c : text)
         result += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
@@ -83,7 +83,7 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
         const char* colour = colours[i % colours.size()];
         plots.push_back(
             fmt::format("$series{} using 1:2 with linespoints lw 2 pt 7 ps 0.7 lc rgb '{}' title {}", i,
-                        colour, quoted(series[i])));
+                        colour, gnuplotString(series[i])));
         plots.push_back(fmt::format(
             "$series{} using 1:2:3 with labels left offset 0.6,0.5 font ',10' tc rgb '{}' notitle", i,
             colour));
@@ -101,10 +101,10 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
         "set offsets graph 0.02, graph 0.08, graph 0.06, graph 0.02\n"
         "set key top right title {} font ',11'\nset bmargin 4.5\n"
         "plot {}\n",
-        quoted(output.string()), quoted(fmt::format("{}: {}", result.lab, result.title)),
-        quoted(fmt::format("{}{} against {}", result.metric, unit, result.reference)),
-        quoted(fmt::format("measured on {}", result.renderer)),
-        quoted(result.points.front().knobs.front().first), fmt::join(plots, ", \\\n"));
+        gnuplotString(output.string()), gnuplotString(fmt::format("{}: {}", result.lab, result.title)),
+        gnuplotString(fmt::format("{}{} against {}", result.metric, unit, result.reference)),
+        gnuplotString(fmt::format("measured on {}", result.renderer)),
+        gnuplotString(result.points.front().knobs.front().first), fmt::join(plots, ", \\\n"));
     return text;
 }
 

@@ -16,6 +16,7 @@
 #include "base/file.h"
 #include "base/interrupt.h"
 #include "base/progress.h"
+#include "gl/window.h"
 #include "image/io.h"
 #include "lab/picture_state.h"
 #include "lab/plot.h"

@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "math/projection.h"
 #include "math/transform.h"
 
 namespace quincunx {
@@ -98,12 +99,9 @@ FrameBlock makeFrameBlock(const Scene& scene, const std::vector<Light>& lights, 
     block.lightCount.x = static_cast<int>(lights.size());
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const Light& light = lights[i];
-        const bool directional = light.kind == Light::Kind::directional;
-        const bool spot = light.kind == Light::Kind::spot;
-        block.lights[i] = {
-            directional ? glm::vec4(-light.direction, 0) : glm::vec4(light.position, 1),
-            glm::vec4(light.direction, spot ? std::cos(light.outerConeRadians) : -1),
-            glm::vec4(light.color * light.intensity, spot ? std::cos(light.innerConeRadians) : -1)};
+        block.lights[i] = {glm::vec4(light.position, static_cast<float>(light.kind)),
+                           glm::vec4(light.direction, light.innerConeRadians),
+                           glm::vec4(light.color * light.intensity, light.outerConeRadians)};
     }
     return block;
 }

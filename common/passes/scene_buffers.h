@@ -18,9 +18,11 @@ inline constexpr std::size_t maxShaderLights = 8;
 /// Uniform block FrameBlock of shaders/lib/frame.glsl, std140.
 struct FrameBlock {
     struct Light {
-        glm::vec4 position;
-        glm::vec4 direction;
-        glm::vec4 radiance;
+        glm::vec4 position{0};
+        glm::vec4 direction{0};
+        glm::vec4 radiance{0};
+
+        bool operator==(const Light&) const = default;
     };
     glm::mat4 clipFromWorld{1};
     glm::vec4 eyeWorld{0};

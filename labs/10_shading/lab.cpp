@@ -122,7 +122,8 @@ void ShadingLab::drawScene(graph::PassContext& context, const Frame& frame, int 
     const FrameBlock frameBlock = makeFrameBlock(scene_, turnedLights(), frame.camera, aspect);
     const std::vector<ObjectBlock> objects = objectBlocks();
 
-    ShadingPassParams params{.blinnPhong = model().reflection == PhongModel::Reflection::blinnPhong};
+    ShadingPassParams params;
+    params.blinnPhong = model().reflection == PhongModel::Reflection::blinnPhong;
     for (std::size_t i = 0; i < objects.size(); ++i) {
         params.doubleSided.push_back(scene_.materials[scene_.instances[i].material].doubleSided);
         params.mirrored.push_back(glm::determinant(glm::mat3(objects[i].worldFromModel)) < 0);

@@ -4,9 +4,9 @@
 const int maxLights = 8;
 
 struct Light {
-    vec4 position;   // xyz: world space; w = 0 for a directional light, whose xyz points towards the light
-    vec4 direction;  // xyz: the way a spot light points; w: cosine of its outer cone, −1 for other lights
-    vec4 radiance;   // rgb: irradiance (directional) or intensity (point, spot), over pi; w: cosine of the inner cone
+    vec4 position;   // xyz: world space; w: 0 directional, 1 point, 2 spot
+    vec4 direction;  // xyz: the way the light travels, world space, unit length; w: inner cone, radians
+    vec4 radiance;   // rgb: irradiance (directional) or intensity (point, spot), over pi; w: outer cone, radians
 };
 
 layout(std140) uniform FrameBlock {

@@ -10,20 +10,26 @@ struct Shade {
     vec3 plain;     // specular and emission: not
 };
 
-// `positionWorld`: the point; `normal`: its unit normal on the side of the eye.
-Shade shade(vec3 positionWorld, vec3 normal) {
+PhongLight phongLight(Light light) {
+    return PhongLight(int(light.position.w), light.position.xyz, light.direction.xyz, light.radiance.rgb,
+                      light.direction.w, light.radiance.w);
+}
+
+// `positionWorld`: the point; `n`: its unit normal on the side of the eye.
+Shade shade(vec3 positionWorld, vec3 n) {
     Shade result = Shade(ambient.rgb * ambientLight.rgb, emission.rgb);
-    vec3 towardsEye = safeNormalize(eyeWorld.xyz - positionWorld);
+    vec3 wo = safeNormalize(eyeWorld.xyz - positionWorld);
     for (int i = 0; i < lightCount.x; ++i) {
-        LightSample incoming = sampleLight(lights[i], positionWorld);
-        float cosine = max(dot(normal, incoming.towardsLight), 0.0);
-        result.textured += diffuse.rgb * incoming.radiance * cosine;
+        PhongLight light = phongLight(lights[i]);
+        LightSample incoming = sampleLight(light, positionWorld);
+        vec3 arriving = light.radiance * incoming.strength;
 #ifdef BLINN_PHONG
-        float highlight = blinnPhongSpecular(normal, incoming.towardsLight, towardsEye, specular.a);
+        float highlight = blinnPhongSpecular(n, incoming.wi, wo, specular.a);
 #else
-        float highlight = phongSpecular(normal, incoming.towardsLight, towardsEye, specular.a);
+        float highlight = phongSpecular(n, incoming.wi, wo, specular.a);
 #endif
-        result.plain += specular.rgb * incoming.radiance * highlight;
+        result.textured += arriving * diffuse.rgb * lambert(n, incoming.wi);
+        result.plain += arriving * specular.rgb * highlight;
     }
     return result;
 }

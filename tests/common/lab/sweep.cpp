@@ -1,0 +1,71 @@
+#include "lab/sweep.h"
+
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+
+namespace quincunx {
+namespace {
+
+std::vector<SweepPoint> pointsOf(const std::vector<std::pair<double, double>>& secondsAndErrors) {
+    std::vector<SweepPoint> points;
+    for (const auto& [seconds, error] : secondsAndErrors) {
+        SweepPoint point;
+        point.knobs = {{"kind", "a"}, {"n", std::to_string(points.size())}};
+        point.sample.seconds = seconds;
+        point.sample.error = error;
+        points.push_back(point);
+    }
+    return points;
+}
+
+TEST(ParetoFront, HoldsWhatNothingBeats) {
+    std::vector<SweepPoint> points = pointsOf({{1, 9}, {2, 4}, {3, 5}, {4, 1}, {4, 2}, {5, 1}, {1, 9}});
+    markParetoFront(points);
+    std::vector<bool> front;
+    for (const SweepPoint& point : points)
+        front.push_back(point.pareto);
+    EXPECT_EQ(front, (std::vector<bool>{true, true, false, true, false, false, true}));
+}
+
+TEST(ParetoFront, OfRandomPointsFallsFromLeftToRightAndLeavesNobodyUnbeaten) {
+    Random random(5);
+    for (int round = 0; round < 200; ++round) {
+        std::vector<std::pair<double, double>> values;
+        for (int i = 0; i < 12; ++i)
+            values.emplace_back(static_cast<double>(random.below(8)), static_cast<double>(random.below(8)));
+        std::vector<SweepPoint> points = pointsOf(values);
+        markParetoFront(points);
+        for (const SweepPoint& a : points) {
+            bool beaten = false;
+            for (const SweepPoint& b : points) {
+                const bool asGood = b.sample.seconds <= a.sample.seconds && b.sample.error <= a.sample.error;
+                const bool better = b.sample.seconds < a.sample.seconds || b.sample.error < a.sample.error;
+                beaten = beaten || (asGood && better && b.pareto);
+            }
+            EXPECT_EQ(a.pareto, !beaten);
+        }
+    }
+}
+
+TEST(Choice, KeepsTheLimitsAndTakesTheBestOfTheRest) {
+    const std::vector<SweepPoint> points = pointsOf({{1, 9}, {2, 4}, {4, 1}, {8, 0.5}});
+    EXPECT_EQ(choosePoint(points, 4.0, std::nullopt), 2u);
+    EXPECT_EQ(choosePoint(points, std::nullopt, 4.0), 1u);
+    EXPECT_EQ(choosePoint(points, 5.0, 5.0), 2u);
+    EXPECT_EQ(choosePoint(points, 0.5, std::nullopt), std::nullopt);
+    EXPECT_EQ(choosePoint(points, 1.5, 1.0), std::nullopt);
+}
+
+TEST(Csv, QuotesWhatNeedsIt) {
+    SweepResult result;
+    result.points = pointsOf({{0.5, 0.25}});
+    result.points[0].knobs = {{"file", "a \"b\", c"}};
+    result.points[0].sample.counters = {{"rays", 12}};
+    markParetoFront(result.points);
+    EXPECT_EQ(toCsv(result),
+              "file,error,seconds,seconds_spread,pareto,rays\n\"a \"\"b\"\", c\",0.25,0.5,0,1,12\n");
+}
+
+}  // namespace
+}  // namespace quincunx
