@@ -1,0 +1,68 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/check.h"
+#include "scene/import.h"
+
+namespace quincunx {
+
+namespace {
+
+constexpr double degrees = 3.14159265358979323846 / 180;
+
+/// Unit vector by its compass angle from +z towards +x and its height over the horizon.
+glm::dvec3 towards(double azimuth, double elevation) {
+    return {std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+            std::cos(azimuth) * std::cos(elevation)};
+}
+
+Light directional(const char* name, double azimuth, double elevation, const glm::vec3& color,
+                  float intensity) {
+    Light light;
+    light.kind = Light::Kind::directional;
+    light.name = name;
+    light.direction = glm::vec3(-towards(azimuth, elevation));
+    light.color = color;
+    light.intensity = intensity;
+    return light;
+}
+
+}  // namespace
+
+Camera frameBounds(const Bounds& bounds, float aspect) {
+    QX_CHECK(aspect > 0 && std::isfinite(aspect));
+    const glm::dvec3 centre(bounds.centre());
+    // The eye is stored in floats. A model smaller than 8 units in the last place of its own position is
+    // framed as if it were that large, or the eye could fall onto it.
+    const double smallest = std::max(glm::length(centre) * 0x1p-20, 0x1p-100);
+    double radius = std::max(static_cast<double>(bounds.radius()), smallest);
+    if (bounds.radius() == 0 && glm::length(centre) == 0)
+        radius = 1;
+
+    Camera camera;
+    const double halfY = static_cast<double>(camera.fovYRadians) / 2;
+    const double halfX = std::atan(std::tan(halfY) * static_cast<double>(aspect));
+    const double margin = 1.05;
+    const double distance = margin * radius / std::sin(std::min(halfX, halfY));
+
+    const glm::dvec3 back = towards(30 * degrees, 20 * degrees);
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back));
+    const glm::dvec3 up = glm::cross(back, right);
+    const double largest = std::numeric_limits<float>::max();
+    const glm::dvec3 eye = glm::clamp(centre + distance * back, -largest, largest);
+    camera.worldFromCamera = glm::mat4(
+        glm::dmat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), glm::dvec4(eye, 1)));
+    // Room to move towards the model and away from it before either plane cuts it.
+    camera.nearDistance = static_cast<float>((distance - radius) / 16);
+    camera.farDistance = static_cast<float>(std::min(4 * (distance + radius), largest));
+    return camera;
+}
+
+std::vector<Light> studioLights() {
+    return {directional("key", -20 * degrees, 45 * degrees, {1.0f, 0.96f, 0.9f}, 0.85f),
+            directional("fill", 85 * degrees, 15 * degrees, {0.85f, 0.92f, 1.0f}, 0.25f),
+            directional("rim", 195 * degrees, 40 * degrees, {1.0f, 1.0f, 1.0f}, 0.5f)};
+}
+
+}  // namespace quincunx

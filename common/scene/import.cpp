@@ -1,0 +1,23 @@
+#include "scene/import.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "scene/import_formats.h"
+
+namespace quincunx {
+
+ImportedScene importScene(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const bool isObj = extension == ".obj";
+    if (!isObj && extension != ".gltf" && extension != ".glb")
+        throw InputError("not a model that can be read", printable(file.string()), "use .obj, .gltf or .glb");
+    std::string contents = readFile(file, largestModelFile);
+    return isObj ? importObj(std::move(contents), file) : importGltf(contents, file);
+}
+
+}  // namespace quincunx
