@@ -65,10 +65,11 @@ Quad squareRoot(Quad x) {
         scaled *= 0x1p1000;
         scale *= 0x1p-500;
     }
-    // Newton's steps double the 53 bits twice.
-    Quad root = std::sqrt(static_cast<double>(scaled));
-    root = (root + scaled / root) / 2;
-    root = (root + scaled / root) / 2;
+    // Two Newton steps, 53 bits each: a correction need not be known better than to double.
+    const double start = std::sqrt(static_cast<double>(scaled));
+    Quad root = start;
+    root += static_cast<double>(scaled - root * root) / (2 * start);
+    root += static_cast<double>(scaled - root * root) / (2 * start);
     return root * scale;
 }
 

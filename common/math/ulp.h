@@ -39,11 +39,14 @@ double ulpError(Float got, const Real& exact) {
         exponent = found > exponent ? found : exponent;
     }
     const Real difference = Real(static_cast<double>(got)) - exact;
-    // In two factors: the reciprocal of the smallest ulp of double exceeds its range.
     const int shift = Limits::digits - 1 - exponent;
-    const Real ulps = Real(Real(difference * Real(std::scalbn(1.0, shift / 2))) *
-                           Real(std::scalbn(1.0, shift - shift / 2)));
-    return std::abs(static_cast<double>(ulps));
+    if constexpr (sizeof(Float) == 4) {
+        return std::abs(std::scalbn(static_cast<double>(difference), shift));
+    } else {
+        // In two factors: the reciprocal of the smallest ulp of double exceeds its range.
+        const Real scaled = difference * Real(std::scalbn(1.0, shift / 2));
+        return std::abs(static_cast<double>(Real(scaled * Real(std::scalbn(1.0, shift - shift / 2)))));
+    }
 }
 
 /// How many steps of `nextafter` lie between two finite numbers; −0 and +0 are the same. Held by Ulp.*.
