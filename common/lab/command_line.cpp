@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
+#include <functional>
 #include <new>
 
 #include <CLI/CLI.hpp>
@@ -24,8 +25,6 @@ const char* about =
 
 /// The lab that the words name, so that its knobs become flags before they are parsed. Null if none is named.
 const LabEntry* mentionedLab(std::span<const LabEntry> labs, const std::vector<std::string>& words) {
-    if (labs.size() == 1)
-        return &labs.front();
     for (const std::string& word : words)
         for (const LabEntry& entry : labs)
             if (word == entry.name || word == entry.folder() || word == std::to_string(entry.number))
@@ -80,15 +79,8 @@ void addDrawing(CLI::App& command, DrawOptions& options, bool window) {
     command.add_option("--seed", options.seed, "Of all random numbers")->type_name("N");
 }
 
-void addLabArgument(CLI::App& command, std::string& name, std::span<const LabEntry> labs) {
-    if (labs.size() > 1 || labs.empty())
-        command.add_option("LAB", name, "Number, name or both")->required();
-}
-
 /// Inserts the verb `run` where the program of a single lab is given none.
-std::vector<std::string> withVerb(std::vector<std::string> words, bool singleLab) {
-    if (!singleLab)
-        return words;
+std::vector<std::string> withVerb(std::vector<std::string> words) {
     const bool given =
         !words.empty() &&
         (std::find(verbs.begin(), verbs.end(), words.front()) != verbs.end() || words.front() == "--version");
@@ -97,20 +89,21 @@ std::vector<std::string> withVerb(std::vector<std::string> words, bool singleLab
     return words;
 }
 
-int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs) {
-    CLI::App app(about, labs.size() == 1 ? labs.front().folder() : "quincunx");
+/// `only`: the lab of a program of its own; null for the program with all labs.
+int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, const LabEntry* only) {
+    CLI::App app(about, only != nullptr ? only->folder() : "quincunx");
     app.set_version_flag("--version", "quincunx " QUINCUNX_VERSION);
     app.require_subcommand(1);
-    app.fallthrough(false);
 
-    const LabEntry* mentioned = mentionedLab(labs, words);
+    const LabEntry* mentioned = only != nullptr ? only : mentionedLab(labs, words);
     const std::unique_ptr<Lab> lab = mentioned != nullptr ? mentioned->make() : nullptr;
     std::string labName;
     ExitStatus status = ExitStatus::ok;
 
     const auto labVerb = [&](const char* verb, const char* help) {
         CLI::App* command = app.add_subcommand(verb, help);
-        addLabArgument(*command, labName, labs);
+        if (only == nullptr)
+            command->add_option("LAB", labName, "Number, name or both")->required();
         if (lab)
             addKnobs(*command, lab->knobs());
         else
@@ -140,7 +133,10 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs) {
         ->add_option("--replay", runOptions.replay, "Draw what a record, or the record in a PNG, describes")
         ->type_name("FILE");
     runCommand->add_flag("--json", runOptions.draw.json, "Machine-readable");
-    runCommand->callback([&] { run(*lab, chosen(), runOptions); });
+    runCommand->callback([&] {
+        const LabEntry& entry = chosen();
+        run(*lab, entry, runOptions);
+    });
 
     int question = 0;
     DrawOptions askOptions;
@@ -169,7 +165,10 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs) {
         ->check(CLI::NonNegativeNumber)
         ->type_name("E");
     sweepCommand->add_flag("--json", sweepOptions.draw.json, "Machine-readable");
-    sweepCommand->callback([&] { status = sweep(*lab, chosen(), sweepOptions); });
+    sweepCommand->callback([&] {
+        const LabEntry& entry = chosen();
+        status = sweep(*lab, entry, sweepOptions);
+    });
 
     StressOptions stressOptions;
     CLI::App* stressCommand = labVerb("stress", "Hard cases: naive error, stable error, bound");
@@ -178,7 +177,10 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs) {
         ->type_name("N")
         ->default_str("1");
     stressCommand->add_flag("--json", stressOptions.json, "Machine-readable");
-    stressCommand->callback([&] { status = stress(*lab, chosen(), stressOptions); });
+    stressCommand->callback([&] {
+        const LabEntry& entry = chosen();
+        status = stress(*lab, entry, stressOptions);
+    });
 
     CompareOptions compareOptions;
     CLI::App* compareCommand = app.add_subcommand("compare", "One figure for two pictures, and an error map");
@@ -198,9 +200,6 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs) {
 
     try {
         std::reverse(words.begin(), words.end());
-        if (lab == nullptr)
-            for (CLI::App* command : {runCommand, sweepCommand, stressCommand})
-                command->preparse_callback([](std::size_t) {});
         app.parse(words);
     } catch (const CLI::CallForHelp&) {
         print(app.help());
@@ -214,12 +213,10 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs) {
     return static_cast<int>(status);
 }
 
-}  // namespace
-
-int runCommandLine(int argc, const char* const* argv, std::span<const LabEntry> labs) {
+int guarded(const std::function<int()>& program) {
     handleInterrupts();
     try {
-        const int status = dispatch(withVerb({argv + 1, argv + argc}, labs.size() == 1), labs);
+        const int status = program();
         print({});
         return status;
     } catch (const Interrupted& e) {
@@ -232,6 +229,16 @@ int runCommandLine(int argc, const char* const* argv, std::span<const LabEntry> 
         std::fputs("quincunx: not enough memory; use a smaller picture or model\n", stderr);
         return static_cast<int>(ExitStatus::notPossibleHere);
     }
+}
+
+}  // namespace
+
+int runCommandLine(int argc, const char* const* argv, std::span<const LabEntry> labs) {
+    return guarded([&] { return dispatch({argv + 1, argv + argc}, labs, nullptr); });
+}
+
+int runCommandLine(int argc, const char* const* argv, const LabEntry& lab) {
+    return guarded([&] { return dispatch(withVerb({argv + 1, argv + argc}), {&lab, 1}, &lab); });
 }
 
 }  // namespace quincunx

@@ -157,6 +157,9 @@ struct LabEntry {
 /// Whole program: understands the command line, does what it says, returns the exit status.
 int runCommandLine(int argc, const char* const* argv, std::span<const LabEntry> labs);
 
+/// The same for the program of one lab: no lab is named, and the verb is `run` where none is given.
+int runCommandLine(int argc, const char* const* argv, const LabEntry& lab);
+
 }  // namespace quincunx
 
 /// In lab.cpp: makes the lab known under its folder's name. The build system names the factory.
@@ -170,5 +173,5 @@ int runCommandLine(int argc, const char* const* argv, std::span<const LabEntry> 
     std::unique_ptr<quincunx::Lab> QUINCUNX_LAB_FACTORY();                                           \
     int main(int argc, char** argv) {                                                                \
         const quincunx::LabEntry lab{QUINCUNX_LAB_NUMBER, QUINCUNX_LAB_NAME, &QUINCUNX_LAB_FACTORY}; \
-        return quincunx::runCommandLine(argc, argv, {&lab, 1});                                      \
+        return quincunx::runCommandLine(argc, argv, lab);                                            \
     }

@@ -272,7 +272,7 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
 
         const bool choose = options.budgetSeconds || options.maxError;
         const std::optional<std::size_t> choice =
-            choose ? choosePoint(result.points, options.budgetSeconds, options.maxError) : std::nullopt;
+            choosePoint(result.points, options.budgetSeconds, options.maxError);
         Json points = Json::array();
         for (std::size_t i = 0; i < result.points.size(); ++i) {
             const SweepPoint& point = result.points[i];
@@ -282,7 +282,7 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
                      {"counters", point.sample.counters},
                      {"pareto", point.pareto}};
             if (choose)
-                row["chosen"] = choice == i;
+                row["chosen"] = i == choice.value_or(result.points.size());
             points.push_back(row);
         }
         array.push_back({{"lab", entry.folder()},
@@ -291,9 +291,9 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
                          {"metric", result.metric},
                          {"points", points}});
         text += toTable(result) + "\n";
-        if (choice) {
+        if (choose && choice) {
             std::vector<std::string> knobs;
-            for (const auto& [name, value] : result.points[*choice].knobs)
+            for (const auto& [name, value] : result.points[choice.value()].knobs)
                 knobs.push_back(fmt::format("--{}={}", name, value));
             text += fmt::format("picked: {}\n", fmt::join(knobs, " "));
         } else if (choose) {

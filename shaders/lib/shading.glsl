@@ -33,11 +33,3 @@ Shade shade(vec3 positionWorld, vec3 n) {
     }
     return result;
 }
-
-// The colour of a fragment from its shade and the material's texture.
-vec4 textureShade(Shade shaded, vec2 texcoord) {
-    vec4 base = texture(baseColorTexture, texcoord);
-    if (base.a * emission.a < diffuse.a)
-        discard;
-    return vec4(shaded.textured * base.rgb + shaded.plain, 1.0);
-}

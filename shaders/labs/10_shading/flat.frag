@@ -2,7 +2,7 @@
 
 // Flat shading: every fragment of a triangle has the triangle's colour.
 
-#include "lib/shading.glsl"
+#include "lib/textured_shade.glsl"
 
 flat in vec3 frontTextured;
 flat in vec3 frontPlain;

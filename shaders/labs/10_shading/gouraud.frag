@@ -2,7 +2,7 @@
 
 // Gouraud shading: the interpolated colour is all there is.
 
-#include "lib/shading.glsl"
+#include "lib/textured_shade.glsl"
 
 in vec3 frontTextured;
 in vec3 frontPlain;

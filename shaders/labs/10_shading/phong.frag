@@ -2,7 +2,7 @@
 
 // Phong shading: the interpolated normal, made unit length again, lights each fragment.
 
-#include "lib/shading.glsl"
+#include "lib/textured_shade.glsl"
 
 in vec3 positionWorld;
 in vec3 normalWorld;
