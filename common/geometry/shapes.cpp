@@ -446,7 +446,7 @@ std::optional<Hit> Solid::intersect(const Ray& ray) const {
     const double squared = glm::dot(ray.direction, ray.direction);
     QX_CHECK_GT(squared, 0.0);
     const double speed = std::sqrt(squared);
-    const double toCentre = -glm::dot(ray.origin, ray.direction) / speed;
+    const double toCentre = -glm::dot(ray.origin, ray.direction) / squared;
     CentredRay centred;
     centred.direction = ray.direction / speed;
     centred.origin = accurateCross(ray.direction, accurateCross(ray.origin, ray.direction)) / squared;
@@ -473,7 +473,7 @@ std::optional<Hit> Solid::intersect(const Ray& ray) const {
             meetCylinder(centred, piece.from.x, candidates);
         }
         for (const double s : candidates) {
-            const double t = (toCentre + s) / speed;
+            const double t = toCentre + s / speed;
             if (!(t >= 0) || (nearest && t >= nearest->t))
                 continue;
             if (std::optional<Hit> hit = snap(part, centred.at(s), tolerance)) {

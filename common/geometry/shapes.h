@@ -116,9 +116,10 @@ class Solid {
     /// of their quartic between its critical points and refining each on the factored distance.
     ///
     /// With ε = 2^-53 and D = size(): the position lies within 8 ε D of the surface and within 64 ε D of the
-    /// ray, and t · |direction| is the distance of the origin from it to 64 ε D / cos + 4 ε |origin|, cos
-    /// being the cosine between ray and normal. A ray that passes the surface at less than 64 ε D may count
-    /// as meeting it; every exact tangent does.
+    /// ray's line; t · |direction| is off by 64 ε D / cos + 8 ε |origin| at most, cos being the cosine
+    /// between ray and normal. (|origin| enters through t alone: three roundings of the dot product, four of
+    /// the division by |direction|², one of the sum.) A ray that passes the surface at less than 64 ε D may
+    /// count as meeting it; every exact tangent does.
     std::optional<Hit> intersect(const Ray& ray) const;
 
     /// A piece of the profile with the directions of its arc's ends, smaller angle first.

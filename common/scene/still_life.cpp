@@ -89,7 +89,7 @@ StillLife makeStillLife() {
                                               .shininess = 36,
                                               .metallic = 1,
                                               .roughness = 0.3f});
-    const Material gold = material("gold", {.diffuse = {0.33f, 0.165f, 0.022f},
+    const Material gold = material("gold", {.diffuse = {0.4f, 0.205f, 0.03f},
                                             .specular = {1, 0.7f, 0.26f},
                                             .shininess = 30,
                                             .metallic = 1,
@@ -105,7 +105,7 @@ StillLife makeStillLife() {
                                               .shininess = 14,
                                               .metallic = 0,
                                               .roughness = 0.45f});
-    const Material jade = material("jade", {.diffuse = {0.035f, 0.27f, 0.13f},
+    const Material jade = material("jade", {.diffuse = {0.04f, 0.31f, 0.155f},
                                             .specular = {0.45f, 0.52f, 0.46f},
                                             .shininess = 60,
                                             .metallic = 0,
@@ -130,7 +130,7 @@ StillLife makeStillLife() {
          at(0, 0.64f, 0) * tilted(27, glm::normalize(glm::vec3(1, 0, 0.9f)))},
         {"pawn", pawn(), ivory, at(-1.32f, 0, -1.12f)},
         {"vase", vase(), jade, at(1.32f, 0, -1.12f)},
-        {"egg", Egg{0.44}, glaze, at(-1.30f, 0.44f, 1.18f) * tilted(16, {0, 0, 1})},
+        {"egg", Egg{0.44}, glaze, at(-1.30f, 0.44f, 1.20f) * tilted(-13, {0, 0, 1})},
         {"wreath", Torus{0.42, 0.19}, ultramarine, at(1.30f, 0.19f, 1.18f)},
     };
 
@@ -148,10 +148,10 @@ StillLife makeStillLife() {
     rim.intensity = 0.95f;
     scene.lights = {key, rim};
 
-    scene.camera = cameraLooking({0.9f, 4.7f, 8.6f}, {0, 0.30f, 0.10f}, 31 * degree);
+    scene.camera = cameraLooking({1.5f, 4.3f, 8.3f}, {0, 0.24f, 0.05f}, 30 * degree);
     scene.ambientLight = {0.075f, 0.082f, 0.105f};
-    scene.backgroundTop = {0.010f, 0.014f, 0.026f};
-    scene.backgroundBottom = {0.075f, 0.058f, 0.050f};
+    scene.backgroundTop = {0.008f, 0.012f, 0.024f};
+    scene.backgroundBottom = {0.062f, 0.046f, 0.044f};
     return scene;
 }
 

@@ -41,12 +41,15 @@ QUINCUNX_INLINE float lambert(vec3 n, vec3 wi) {
 // max(0, a·b)^exponent of unit vectors, for exponents 0 … 1e5; 1 for exponent 0.
 //
 // a·b in float cannot tell cosines near 1 apart: pow would be off by exponent · eps, 0.6 % at 1e5. The versed
-// cosine x = 1 - a·b = |a-b|²/2 has no cancellation: for a and b off by k roundings its error is k eps √(2x),
-// that of the power k eps exponent √(2x) e^(-exponent x) ≤ k eps √(exponent / e).
+// cosine x = 1 - a·b = |a-b|²/2 can: differences of close floats are exact, and lengths off by k eps change x
+// by 2 k eps of itself. A relative error e of x or of the logarithm is e exponent x e^(-exponent x) ≤ e / 2.7
+// of the power.
 //   x < 1/4:  log(1-x) = -2 (z + z³/3 + z⁵/5 + z⁷/7), z = x / (2-x) ≤ 1/7: what is left out is z⁸/9 ≤ 2e-8
-//             of it; with ten roundings of exponent · log, the power is off by 10 eps/e + 2e-8 at most.
+//             of it. With k = 2 and twelve roundings: 16 eps/2.7 + 2e-8 = 4e-7.
 //   else:     1-x is 3/4 at most, and exponent 2^-21 (3/4)^exponent never exceeds 7e-7, which covers a log
 //             good to 2^-21 only.
+// Vectors that are turned by k eps move the power by k eps √(exponent / 2.7) more; exponents below 1 are steep
+// near a right angle, where they make (k eps)^exponent of it.
 QUINCUNX_INLINE float cosinePower(vec3 a, vec3 b, float exponent) {
     if (exponent <= 0.0f)
         return 1.0f;
@@ -109,8 +112,8 @@ QUINCUNX_INLINE float spotShare(vec3 wi, vec3 lightDirection, float innerConeRad
     return share * share * (3.0f - 2.0f * share);
 }
 
-// Points and spots fall off with the square of the distance, taken as 2^-60 at least: so near, the direction
-// is (0,0,0) for a point at the light itself, which is then unlit.
+// Points and spots fall off with the square of the distance, taken as 2^-32 at least, which keeps the product
+// with intensities up to 2^63 finite. A point at the light itself is unlit: its direction is (0,0,0).
 QUINCUNX_INLINE LightSample sampleLight(PhongLight light, vec3 position) {
     LightSample lightSample;
     if (light.kind == 0) {
@@ -121,7 +124,7 @@ QUINCUNX_INLINE LightSample sampleLight(PhongLight light, vec3 position) {
     vec3 towards = light.position - position;
     lightSample.wi = safeNormalize(towards);
     // Dividing twice by the distance instead of once by its square keeps far lights from overflowing it.
-    float distance_ = max(dot(towards, lightSample.wi), 8.673617379884035e-19f);
+    float distance_ = max(dot(towards, lightSample.wi), 2.3283064365386963e-10f);
     lightSample.strength = (1.0f / distance_) / distance_;
     if (light.kind == 2)
         lightSample.strength *=
