@@ -88,12 +88,13 @@ std::vector<std::string> faultsOf(const fs::path& tree) {
     return faults;
 }
 
-/// The faults of a copy of the tree's own sources with one more file.
-std::vector<std::string> faultsWith(const std::string& file, const std::string& contents) {
+/// The faults of a copy of the tree's own sources with more files, each a name and its contents.
+std::vector<std::string> faultsWith(const std::vector<std::pair<std::string, std::string>>& planted) {
     const TemporaryFolder copy;
     for (const char* top : {"common", "labs"})
         fs::copy(fs::path(QUINCUNX_SOURCE_DIR) / top, copy / top, fs::copy_options::recursive);
-    copy.file(file, contents);
+    for (const auto& [file, contents] : planted)
+        copy.file(file, contents);
     return faultsOf(copy.path());
 }
 
@@ -107,31 +108,34 @@ TEST(Includes, NameARoomForEveryFolderOfCommon) {
 }
 
 TEST(Includes, ThatGoUpAreFound) {
-    EXPECT_THAT(faultsWith("common/base/planted.h", "#pragma once\n#include \"lab/lab.h\"\n"),
+    EXPECT_THAT(faultsWith({{"common/base/planted.h", "#pragma once\n#include \"lab/lab.h\"\n"}}),
                 ElementsAre("common/base/planted.h: lab/lab.h: lab is not below base"));
-    EXPECT_THAT(faultsWith("common/geometry/deep/planted.cpp", "  #  include <image/image.h>\n"),
+    EXPECT_THAT(faultsWith({{"common/geometry/deep/planted.cpp", "  #  include <image/image.h>\n"}}),
                 ElementsAre("common/geometry/deep/planted.cpp: image/image.h: image is not below geometry"));
-    EXPECT_THAT(faultsWith("common/lab/planted.cpp", "#include \"labs/all_labs.h\"\n"),
+    EXPECT_THAT(faultsWith({{"common/lab/planted.cpp", "#include \"labs/all_labs.h\"\n"}}),
                 ElementsAre(HasSubstr("labs is not below lab")));
 }
 
 TEST(Includes, BetweenPassesAndLabAreFoundBothWays) {
-    EXPECT_THAT(faultsWith("common/passes/planted.h", "#include \"lab/knob.h\"\n"),
+    EXPECT_THAT(faultsWith({{"common/passes/planted.h", "#include \"lab/knob.h\"\n"}}),
                 ElementsAre(HasSubstr("lab is not below passes")));
-    EXPECT_THAT(faultsWith("common/lab/planted.h", "#include \"passes/shadow.h\"\n"),
+    EXPECT_THAT(faultsWith({{"common/lab/planted.h", "#include \"passes/shadow.h\"\n"}}),
                 ElementsAre(HasSubstr("passes is not below lab")));
 }
 
 TEST(Includes, OfGlAreFoundWhereGlIsNotKnown) {
+    std::vector<std::pair<std::string, std::string>> planted;
     for (const char* room : {"graph", "scene", "geometry", "trace"})
-        for (const char* header : {"<glad/gl.h>", "<GLFW/glfw3.h>", "<EGL/egl.h>", "<GL/osmesa.h>"})
-            EXPECT_THAT(
-                faultsWith(fmt::format("common/{}/planted.cpp", room), fmt::format("#include {}\n", header)),
-                ElementsAre(HasSubstr("knows no GL")));
+        for (const char* header : {"glad/gl.h", "GLFW/glfw3.h", "EGL/egl.h", "GL/osmesa.h"})
+            planted.emplace_back(fmt::format("common/{}/planted_{}.cpp", room, planted.size()),
+                                 fmt::format("#include <{}>\n", header));
+    const std::vector<std::string> faults = faultsWith(planted);
+    EXPECT_EQ(faults.size(), planted.size());
+    EXPECT_THAT(faults, testing::Each(HasSubstr("knows no GL")));
 }
 
 TEST(Includes, ThatLeaveTheirFolderByDotsAreFound) {
-    EXPECT_THAT(faultsWith("common/base/planted.cpp", "#include \"../lab/lab.h\"\n"),
+    EXPECT_THAT(faultsWith({{"common/base/planted.cpp", "#include \"../lab/lab.h\"\n"}}),
                 ElementsAre(HasSubstr("relative to common/")));
 }
 
