@@ -51,8 +51,10 @@ void writeAtomically(const fs::path& file, const std::function<void(const fs::pa
     if (error)
         throw InputError(fmt::format("cannot make the folder: {}", error.message()), folder.string(),
                          "choose another place with --out");
-    if (fs::is_directory(file, error))
-        throw InputError("is a folder", file.string(), "name a file with --out");
+    if (const fs::file_status status = fs::status(file, error);
+        fs::exists(status) && !fs::is_regular_file(status))
+        throw InputError(fs::is_directory(status) ? "is a folder" : "is no regular file", file.string(),
+                         "name another file");
     if (access(folder.c_str(), W_OK) != 0)
         throw InputError(fmt::format("the folder cannot be written: {}", std::strerror(errno)),
                          folder.string(), "choose another place with --out");

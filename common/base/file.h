@@ -16,7 +16,8 @@ std::string readFile(const std::filesystem::path& file, std::uintmax_t maxBytes)
 
 /// Calls `write` with the name of a new file in the same folder, then renames that to `file`: readers see
 /// the old contents or the new, never a part. On any exception, or when interrupted, the new file is removed.
-/// The temporary name keeps the extension of `file`. Throws InputError if the folder cannot be written.
+/// The temporary name keeps the extension of `file`. Throws InputError if the folder cannot be written, or if
+/// `file` exists and is not a regular file: a device is never replaced.
 void writeAtomically(const std::filesystem::path& file,
                      const std::function<void(const std::filesystem::path& temporary)>& write);
 

@@ -1,0 +1,103 @@
+// --json: it parses, with the field names that others build on.
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/program/program.h"
+
+namespace quincunx::test {
+namespace {
+
+using nlohmann::json;
+using testing::IsSupersetOf;
+using testing::UnorderedElementsAre;
+
+class ProgramJson : public Program {
+  protected:
+    /// What the program printed; exit statuses 0 and 1 both come with an answer.
+    json answer(std::vector<std::string> words) const {
+        words.emplace_back("--json");
+        const ProcessResult result = call(std::move(words));
+        EXPECT_TRUE(result.exitStatus == 0 || result.exitStatus == 1) << result.text();
+        EXPECT_EQ(result.err, "");
+        json parsed = json::parse(result.out, nullptr, false);
+        EXPECT_FALSE(parsed.is_discarded()) << result.text();
+        if (parsed.is_object() && parsed.contains("pass"))
+            EXPECT_EQ(parsed["pass"], result.exitStatus == 0);
+        return parsed;
+    }
+    static std::set<std::string> names(const json& object) {
+        std::set<std::string> result;
+        for (const auto& [name, value] : object.items())
+            result.insert(name);
+        return result;
+    }
+};
+
+TEST_F(ProgramJson, OfListNamesLabsTopicsAndQuestions) {
+    const json labs = answer({"list"});
+    ASSERT_FALSE(labs.empty());
+    for (const json& lab : labs)
+        EXPECT_THAT(names(lab), UnorderedElementsAre("lab", "topic", "questions"));
+    EXPECT_EQ(labs[0]["lab"], "10_shading");
+    EXPECT_EQ(std::set<int>(labs[0]["questions"].begin(), labs[0]["questions"].end()),
+              (std::set<int>{32, 37, 90, 105, 113, 114}));
+}
+
+TEST_F(ProgramJson, OfAskHoldsQuestionAnswerAndMeasurements) {
+    const json reply = answer({"ask", "37", "--backend", "osmesa"});
+    EXPECT_THAT(names(reply), IsSupersetOf({"question", "lab", "asked", "answer", "measurements", "pass"}));
+    EXPECT_EQ(reply["question"], 37);
+    ASSERT_FALSE(reply["measurements"].empty());
+    for (const json& measurement : reply["measurements"]) {
+        EXPECT_THAT(names(measurement), IsSupersetOf({"name", "value", "unit", "pass"}));
+        EXPECT_TRUE(measurement["value"].is_number()) << measurement;
+    }
+}
+
+TEST_F(ProgramJson, OfSweepHoldsPointsWithErrorTimeAndFront) {
+    const json sweeps = answer({"sweep", "shading", "--backend", "osmesa", "--size", "64x48"});
+    ASSERT_TRUE(sweeps.is_array());
+    ASSERT_FALSE(sweeps.empty());
+    for (const json& sweep : sweeps) {
+        EXPECT_THAT(names(sweep), UnorderedElementsAre("lab", "sweep", "reference", "metric", "points"));
+        ASSERT_FALSE(sweep["points"].empty());
+        for (const json& point : sweep["points"])
+            EXPECT_THAT(names(point),
+                        UnorderedElementsAre("knobs", "error", "seconds", "counters", "pareto"));
+    }
+}
+
+TEST_F(ProgramJson, OfStressHoldsNaiveAndStableErrorsWithTheirBounds) {
+    const json reply = answer({"stress", "shading"});
+    EXPECT_THAT(names(reply), UnorderedElementsAre("lab", "cases", "pass"));
+    ASSERT_FALSE(reply["cases"].empty());
+    for (const json& row : reply["cases"]) {
+        EXPECT_THAT(names(row), UnorderedElementsAre("routine", "hard_input", "inputs", "naive_error",
+                                                     "stable_error", "unit", "bound", "pass"));
+        EXPECT_EQ(row["pass"], true) << row;
+    }
+}
+
+TEST_F(ProgramJson, OfRunNamesThePictureAndWhatDrewIt) {
+    const json reply = answer(drawingSmall({"run", "shading"}));
+    EXPECT_THAT(names(reply), IsSupersetOf({"lab", "file", "backend", "renderer", "width", "height",
+                                            "seconds", "counters", "knobs"}));
+    EXPECT_EQ(reply["backend"], "osmesa");
+    EXPECT_EQ(reply["width"], 32);
+}
+
+TEST_F(ProgramJson, OfCompareHoldsMetricAndValue) {
+    ASSERT_TRUE(succeeded(call(drawingSmall({"run", "shading", "--out", "a.png"}))));
+    const json reply = answer({"compare", "a.png", "a.png"});
+    EXPECT_THAT(names(reply), IsSupersetOf({"metric", "value"}));
+    EXPECT_EQ(reply["value"], 0);
+}
+
+}  // namespace
+}  // namespace quincunx::test
