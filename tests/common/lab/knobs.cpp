@@ -1,13 +1,12 @@
-#include "lab/knob.h"
-
-#include <gtest/gtest.h>
-
 #include <bit>
 #include <cmath>
 #include <functional>
 
+#include <gtest/gtest.h>
+
 #include "base/error.h"
 #include "base/random.h"
+#include "lab/knob.h"
 
 namespace quincunx {
 namespace {
@@ -40,7 +39,8 @@ TEST(Knobs, SurviveTheWayThroughTextBitForBit) {
         const std::string text = knobs.bias.text();
         knobs.bias.set(0);
         knobs.bias.parse(text);
-        ASSERT_EQ(std::bit_cast<std::uint32_t>(static_cast<float>(knobs.bias)), std::bit_cast<std::uint32_t>(value))
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(static_cast<float>(knobs.bias)),
+                  std::bit_cast<std::uint32_t>(value))
             << text;
     }
 }
