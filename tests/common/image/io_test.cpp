@@ -442,91 +442,101 @@ TEST_F(ImageIo, AFullDiskIsAnErrorAndLeavesTheOldFile) {
     EXPECT_EQ(readImage8(path("a.png")), old);
 }
 
-/// Runs in a process of its own, as the module can be loaded only once in one.
-template <typename Work>
-int exitStatusOf(Work work) {
+constexpr const char* freshVariable = "QUINCUNX_TEST_FRESH";
+
+/// True in a process where `freshRun` runs the current test: one that has not loaded the module yet.
+bool isFreshProcess() {
+    return std::getenv(freshVariable) != nullptr;
+}
+
+/// Exit status of the current test in a process of its own, which finds `value` in `freshVariable`.
+int freshRun(const std::string& value = "1") {
+    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
+    const std::string filter = fmt::format("--gtest_filter={}.{}", test.test_suite_name(), test.name());
     const pid_t child = fork();
-    if (child == 0)
-        std::exit(work());
+    if (child == 0) {
+        setenv(freshVariable, value.c_str(), 1);
+        execl("/proc/self/exe", "test", filter.c_str(), nullptr);
+        _exit(127);
+    }
     int status = 0;
     waitpid(child, &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+void readOnePicture() {
+    const std::string bytes = greyJpeg(8, 8);
+    readImage8FromMemory(std::as_bytes(std::span(bytes)), "a");
+}
+
 TEST(ImageIoModule, IsNotLoadedBeforeTheFirstPicture) {
-    const auto mapsName = [] {
+    if (!isFreshProcess()) {
+        EXPECT_EQ(freshRun(), 0);
+        return;
+    }
+    const auto isMapped = [] {
         std::ifstream maps("/proc/self/maps");
         const std::string text{std::istreambuf_iterator<char>(maps), {}};
         return text.find("libOpenImageIO") != std::string::npos;
     };
-    // The other tests of this process may have loaded it: look in a fresh one.
-    if (std::getenv("QUINCUNX_TEST_FRESH") == nullptr) {
-        EXPECT_EQ(exitStatusOf([] {
-                      setenv("QUINCUNX_TEST_FRESH", "1", 1);
-                      execl("/proc/self/exe", "test",
-                            "--gtest_filter=ImageIoModule.IsNotLoadedBeforeTheFirstPicture", nullptr);
-                      return 127;
-                  }),
-                  0);
-        return;
-    }
     EXPECT_FALSE(imageIoLoaded());
-    EXPECT_FALSE(mapsName());
-    const std::string bytes = greyJpeg(8, 8);
-    readImage8FromMemory(std::as_bytes(std::span(bytes)), "a");
+    EXPECT_FALSE(isMapped());
+    readOnePicture();
     EXPECT_TRUE(imageIoLoaded());
-    EXPECT_TRUE(mapsName());
+    EXPECT_TRUE(isMapped());
 }
 
 TEST(ImageIoModule, LoadsOnAnotherThreadAndIsThenThere) {
-    EXPECT_EQ(exitStatusOf([] {
-                  const bool before = imageIoLoaded();
-                  preloadImageIo();
-                  preloadImageIo();
-                  for (int i = 0; i < 6000 && !imageIoLoaded(); ++i)
-                      usleep(10000);
-                  return !before && imageIoLoaded() ? 0 : 1;
-              }),
-              0);
+    if (!isFreshProcess()) {
+        EXPECT_EQ(freshRun(), 0);
+        return;
+    }
+    EXPECT_FALSE(imageIoLoaded());
+    preloadImageIo();
+    preloadImageIo();
+    for (int i = 0; i < 6000 && !imageIoLoaded(); ++i)
+        usleep(10000);
+    EXPECT_TRUE(imageIoLoaded());
+    readOnePicture();
 }
 
-TEST(ImageIoModule, AnExitAtOnceAfterPreloadingIsClean) {
-    for (int i = 0; i < 5; ++i)
-        EXPECT_EQ(exitStatusOf([&] {
-                      preloadImageIo();
-                      usleep(static_cast<useconds_t>(i) * 20000);
-                      return 0;
-                  }),
-                  0);
+TEST(ImageIoModule, AnExitWhileLoadingIsClean) {
+    if (!isFreshProcess()) {
+        for (int milliseconds = 0; milliseconds < 200; milliseconds += 40)
+            EXPECT_EQ(freshRun(std::to_string(milliseconds)), 0) << milliseconds;
+        return;
+    }
+    preloadImageIo();
+    usleep(static_cast<useconds_t>(1000 * std::atoi(std::getenv(freshVariable))));
+    std::exit(0);
 }
 
 TEST(ImageIoModule, MissingIsAnEnvironmentErrorThatNamesIt) {
-    EXPECT_EQ(exitStatusOf([] {
-                  setenv("QUINCUNX_IMAGE_IO", "/nowhere/module.so", 1);
-                  preloadImageIo();
-                  const std::string bytes = greyJpeg(8, 8);
-                  try {
-                      readImage8FromMemory(std::as_bytes(std::span(bytes)), "a");
-                  } catch (const EnvironmentError& e) {
-                      return std::string(e.what()).find("/nowhere/module.so") != std::string::npos ? 0 : 1;
-                  }
-                  return 2;
-              }),
-              0);
+    if (!isFreshProcess()) {
+        EXPECT_EQ(freshRun(), 0);
+        return;
+    }
+    setenv("QUINCUNX_IMAGE_IO", "/nowhere/module.so", 1);
+    preloadImageIo();
+    try {
+        readOnePicture();
+        FAIL() << "nothing thrown";
+    } catch (const EnvironmentError& e) {
+        EXPECT_THAT(e.what(), HasSubstr("/nowhere/module.so"));
+    }
 }
 
-TEST(ImageIoModule, ADamagedModuleIsAnEnvironmentError) {
-    EXPECT_EQ(exitStatusOf([] {
-                  setenv("QUINCUNX_IMAGE_IO", "/proc/self/cmdline", 1);
-                  const std::string bytes = greyJpeg(8, 8);
-                  try {
-                      readImage8FromMemory(std::as_bytes(std::span(bytes)), "a");
-                  } catch (const EnvironmentError&) {
-                      return 0;
-                  }
-                  return 2;
-              }),
-              0);
+TEST(ImageIoModule, ADamagedOneIsAnEnvironmentError) {
+    if (!isFreshProcess()) {
+        EXPECT_EQ(freshRun(), 0);
+        return;
+    }
+    const fs::path file = fs::temp_directory_path() / fmt::format("quincunx_damaged_{}.so", getpid());
+    std::ofstream(file) << "\x7F"
+                        << "ELF and nothing more";
+    setenv("QUINCUNX_IMAGE_IO", file.c_str(), 1);
+    EXPECT_THROW(readOnePicture(), EnvironmentError);
+    fs::remove(file);
 }
 
 }  // namespace
