@@ -54,16 +54,16 @@ SineCosine sineCosine(Quad x) {
 Quad squareRoot(Quad x) {
     if (!(x > 0))
         return 0;
-    // Scaled by a power of four into the range of double.
+    // Scaled by a power of four to where the residuals below, 2^-106 of it, are normal doubles.
     Quad scale = 1;
     Quad scaled = x;
-    while (scaled > 0x1p1000) {
-        scaled *= 0x1p-1000;
-        scale *= 0x1p500;
+    while (scaled > 0x1p500) {
+        scaled *= 0x1p-500;
+        scale *= 0x1p250;
     }
-    while (scaled < 0x1p-1000) {
-        scaled *= 0x1p1000;
-        scale *= 0x1p-500;
+    while (scaled < 0x1p-500) {
+        scaled *= 0x1p500;
+        scale *= 0x1p-250;
     }
     // Two Newton steps, 53 bits each: a correction need not be known better than to double.
     const double start = std::sqrt(static_cast<double>(scaled));

@@ -12,9 +12,14 @@ namespace {
 
 /// sign(det M) cof M, each entry within a relative u.
 glm::dmat3 signedCofactors(const glm::mat3& m) {
-    const double sign = determinant(m) < 0 ? -1 : 1;
-    return {sign * crossInDouble(m[1], m[2]), sign * crossInDouble(m[2], m[0]),
-            sign * crossInDouble(m[0], m[1])};
+    const glm::dvec3 first = crossInDouble(m[1], m[2]);
+    const glm::dvec3 terms = glm::dvec3(m[0]) * first;
+    const double sum = terms.x + terms.y + terms.z;
+    // The sum is within 4 u of the terms' magnitudes: beyond 2^-48 of them its sign is right.
+    const double magnitude = std::abs(terms.x) + std::abs(terms.y) + std::abs(terms.z);
+    const double signedDeterminant = std::abs(sum) > 0x1p-48 * magnitude ? sum : determinant(m);
+    const double sign = signedDeterminant < 0 ? -1 : 1;
+    return {sign * first, sign * crossInDouble(m[2], m[0]), sign * crossInDouble(m[0], m[1])};
 }
 
 double largest(glm::dvec3 v) {
@@ -64,12 +69,9 @@ glm::mat3 normalMatrix(const glm::mat4& worldFromModel) {
     if (!any)
         return glm::mat3(1);
     const int centre = lowest + (highest - lowest) / 2;
-    const int shift = std::min(-centre, 124 - highest);
-    glm::mat3 normals;
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row)
-            normals[column][row] = static_cast<float>(std::scalbn(cofactors[column][row], shift));
-    return normals;
+    // Within 2^±300, so exact and in the range of double.
+    const double scale = std::ldexp(1.0, std::min(-centre, 124 - highest));
+    return glm::mat3(scale * cofactors);
 }
 
 glm::mat3 normalMatrixNaive(const glm::mat4& worldFromModel) {

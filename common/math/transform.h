@@ -31,7 +31,7 @@ std::optional<glm::vec3> transformNormal(const glm::mat4& worldFromModel, glm::v
 /// The inverse, every entry to 0.5 ulp however badly conditioned: the adjugate over the determinant, from
 /// `determinant` of math/exact.h, whose results do not cancel and stay far inside the range of double. None
 /// if the matrix is singular (decided exactly), not finite, or if an entry of its inverse exceeds the range
-/// of float. It takes some twenty times as long as `inverseNaive` (bench_vector). Held by Inverse.*.
+/// of float. It takes some thirty times as long as `inverseNaive` (bench_vector). Held by Inverse.*.
 std::optional<glm::mat4> inverse(const glm::mat4& m);
 
 /// Adjugate over determinant, in float.

@@ -67,11 +67,15 @@ std::optional<glm::dvec3> normalize(glm::dvec3 v) {
 }
 
 std::optional<glm::vec3> normalizePrescaled(glm::vec3 v) {
-    if (!isFinite(v) || v == glm::vec3(0))
+    float largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    if (!isFinite(v) || largest == 0)
         return std::nullopt;
-    const int exponent = std::ilogb(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
-    const glm::vec3 scaled(std::scalbn(v.x, -exponent), std::scalbn(v.y, -exponent),
-                           std::scalbn(v.z, -exponent));
+    // Subnormal components first: the power of two that scales them is itself out of range.
+    if (largest < 0x1p-100f) {
+        v *= 0x1p100f;
+        largest *= 0x1p100f;
+    }
+    const glm::vec3 scaled = v * std::ldexp(1.0f, -std::ilogb(largest));
     return scaled / std::sqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z);
 }
 
@@ -119,22 +123,8 @@ glm::mat3 basisAroundNaive(glm::vec3 unitDirection) {
     return {glm::vec3(1 - n.x * n.x * a, b, -n.x), glm::vec3(b, 1 - n.y * n.y * a, -n.y), n};
 }
 
-std::optional<glm::vec3> reflect(glm::vec3 towardsSurface, glm::vec3 normal) {
-    const glm::dvec3 n(normal);
-    const double squared = sumOfSquares(n);
-    if (!(squared > 0 && squared < infinity))
-        return std::nullopt;
-    const glm::vec3 reflected(glm::dvec3(towardsSurface) -
-                              2 * (dotInDouble(normal, towardsSurface) / squared) * n);
-    return isFinite(reflected) ? std::optional(reflected) : std::nullopt;
-}
-
 glm::vec3 reflectNaive(glm::vec3 towardsSurface, glm::vec3 unitNormal) {
     return towardsSurface - 2 * dotNaive(unitNormal, towardsSurface) * unitNormal;
-}
-
-std::optional<glm::vec3> mirrorDirection(glm::vec3 awayFromSurface, glm::vec3 normal) {
-    return reflect(-awayFromSurface, normal);
 }
 
 glm::vec3 mirrorDirectionNaive(glm::vec3 awayFromSurface, glm::vec3 unitNormal) {
@@ -142,14 +132,17 @@ glm::vec3 mirrorDirectionNaive(glm::vec3 awayFromSurface, glm::vec3 unitNormal) 
 }
 
 std::optional<glm::vec3> halfVector(glm::vec3 wi, glm::vec3 wo) {
-    const std::optional<glm::dvec3> unitWi = normalize(glm::dvec3(wi));
-    const std::optional<glm::dvec3> unitWo = normalize(glm::dvec3(wo));
-    if (!unitWi || !unitWo)
+    const double squaredWi = sumOfSquares(wi);
+    const double squaredWo = sumOfSquares(wo);
+    if (!(squaredWi > 0 && squaredWo > 0 && squaredWi < infinity && squaredWo < infinity))
         return std::nullopt;
-    const bool acute = glm::dot(*unitWi, *unitWo) >= 0;
-    const std::optional<glm::dvec3> half =
-        normalize(acute ? *unitWi + *unitWo : glm::cross(crossInDouble(wi, wo), *unitWi - *unitWo));
-    return half ? std::optional(glm::vec3(*half)) : std::nullopt;
+    const glm::dvec3 unitWi = glm::dvec3(wi) * (1 / std::sqrt(squaredWi));
+    const glm::dvec3 unitWo = glm::dvec3(wo) * (1 / std::sqrt(squaredWo));
+    const bool acute = glm::dot(unitWi, unitWo) >= 0;
+    const glm::dvec3 half = acute ? unitWi + unitWo : glm::cross(crossInDouble(wi, wo), unitWi - unitWo);
+    // Between 2^-596 and 2^518 if not zero.
+    const double squared = sumOfSquares(half);
+    return squared > 0 ? std::optional(glm::vec3(half * (1 / std::sqrt(squared)))) : std::nullopt;
 }
 
 glm::vec3 halfVectorNaive(glm::vec3 unitWi, glm::vec3 unitWo) {

@@ -142,16 +142,26 @@ glm::mat3 basisAroundNaive(glm::vec3 unitDirection);
 
 /// The direction in which a ray goes on that comes in along `towardsSurface`: l − 2 (n·l)/(n·n) n. The normal
 /// may have any length and either side; |result| = |towardsSurface|. Each component is within half an ulp of
-/// itself plus 11 u |l|, so within half an ulp(1) |l|. To bounce on and on, `normalize` the result each time.
+/// itself plus 13 u |l|, so within half an ulp(1) |l|. To bounce on and on, `normalize` the result each time.
 /// None if the normal is zero, if something is not finite, or if the result leaves the range of float.
 /// Held by Reflect.*.
-std::optional<glm::vec3> reflect(glm::vec3 towardsSurface, glm::vec3 normal);
+inline std::optional<glm::vec3> reflect(glm::vec3 towardsSurface, glm::vec3 normal) {
+    const glm::dvec3 l(towardsSurface);
+    const glm::dvec3 n(normal);
+    const double squared = glm::dot(n, n);
+    if (!(squared > 0 && squared < std::numeric_limits<double>::infinity())) [[unlikely]]
+        return std::nullopt;
+    const glm::vec3 reflected(l - 2 * (glm::dot(n, l) / squared) * n);
+    return isFinite(reflected) ? std::optional(reflected) : std::nullopt;
+}
 
 glm::vec3 reflectNaive(glm::vec3 towardsSurface, glm::vec3 unitNormal);
 
 /// The mirror direction of a vector that, as the result, points away from the surface (to a light, to the
 /// eye): 2 (n·l)/(n·n) n − l. Error and exceptions as for `reflect`. Held by Reflect.*.
-std::optional<glm::vec3> mirrorDirection(glm::vec3 awayFromSurface, glm::vec3 normal);
+inline std::optional<glm::vec3> mirrorDirection(glm::vec3 awayFromSurface, glm::vec3 normal) {
+    return reflect(-awayFromSurface, normal);
+}
 
 glm::vec3 mirrorDirectionNaive(glm::vec3 awayFromSurface, glm::vec3 unitNormal);
 
