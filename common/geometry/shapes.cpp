@@ -155,6 +155,35 @@ class Candidates {
     std::size_t count_ = 0;
 };
 
+/// A stretch of a ray. low ≤ high.
+struct Span {
+    double low;
+    double high;
+};
+
+/// The stretch of `within` where the ray may be in the part's box turned about the axis, `margin` added.
+std::optional<Span> spanInBox(const CentredRay& ray, const Solid::Part& part, Span within, double margin) {
+    const double bottom = part.min.y - margin - ray.origin.y;
+    const double top = part.max.y + margin - ray.origin.y;
+    if (ray.direction.y != 0) {
+        const auto [enter, leave] = std::minmax({bottom / ray.direction.y, top / ray.direction.y});
+        within = {std::max(within.low, enter), std::min(within.high, leave)};
+    } else if (bottom > 0 || top < 0) {
+        return {};
+    }
+    if (!(within.low <= within.high))
+        return {};
+    // ρ² has no maximum between the ends.
+    const double inner = part.min.x - margin;
+    const auto rhoSquared = [&](double s) {
+        const dvec3 x = ray.at(s);
+        return x.x * x.x + x.z * x.z;
+    };
+    if (inner > 0 && std::max(rhoSquared(within.low), rhoSquared(within.high)) < inner * inner)
+        return {};
+    return within;
+}
+
 void meetDisc(const CentredRay& ray, double y, Candidates& candidates) {
     if (ray.direction.y != 0)
         candidates.add((y - ray.origin.y) / ray.direction.y);
@@ -212,9 +241,9 @@ double zeroBetween(double low, double high, double valueLow, const Value& value,
     return s;
 }
 
-/// The torus with its centre at height centreY; majorRadius of either sign.
+/// The torus with its centre at height centreY, majorRadius of either sign; what lies in `span` of the ray.
 void meetTorus(const CentredRay& ray, double centreY, double majorRadius, double minorRadius,
-               Candidates& candidates) {
+               const Span& span, Candidates& candidates) {
     const double R = std::abs(majorRadius);
     const double r = minorRadius;
     const dvec3 shifted = ray.origin - dvec3(0, centreY, 0);
@@ -222,11 +251,8 @@ void meetTorus(const CentredRay& ray, double centreY, double majorRadius, double
     const dvec3 m = shifted + nearest * ray.direction;
     const dvec3& d = ray.direction;
 
-    const double outer = (R + r) * (1 + onSurface) + onSurface * std::abs(centreY);
-    const double distance = glm::length(m);
-    if (distance > outer)
-        return;
-    const double reach = std::sqrt((outer - distance) * (outer + distance));
+    const double low = span.low - nearest;
+    const double high = span.high - nearest;
 
     // With m·d = 0 the quartic is s⁴ + 2 p s² + q s + const.
     const double p = glm::dot(m, m) + (R - r) * (R + r) - 2 * R * R * (d.x * d.x + d.z * d.z);
@@ -246,11 +272,8 @@ void meetTorus(const CentredRay& ray, double centreY, double majorRadius, double
     std::size_t splits = 0;
     const auto addSplit = [&](double s) { split[splits++] = s; };
     const double inflection = p < 0 ? std::sqrt(-p / 3) : 0;
-    std::array<double, 4> ends = {-reach, -reach, reach, reach};
-    if (inflection < reach) {
-        ends[1] = -inflection;
-        ends[2] = inflection;
-    }
+    const std::array<double, 4> ends = {low, std::clamp(-inflection, low, high),
+                                        std::clamp(inflection, low, high), high};
     for (std::size_t i = 0; i < 4; ++i) {
         if (i == 0 || ends[i] > ends[i - 1])
             addSplit(ends[i]);
@@ -323,6 +346,23 @@ std::optional<Hit> snap(const Solid::Part& part, const dvec3& point, double tole
     hit.position = {onProfile.x * out.x, onProfile.y, onProfile.x * out.y};
     hit.normal = sign * dvec3(radial.x * out.x, radial.y, radial.x * out.y);
     return hit;
+}
+
+/// The largest distance of a piece's points from `eye`.
+double reachFrom(const dvec2& eye, const ProfilePiece& piece) {
+    const double ends = std::max(glm::distance(eye, pointAt(piece, 0).position),
+                                 glm::distance(eye, pointAt(piece, 1).position));
+    if (piece.kind == ProfilePiece::Kind::line)
+        return ends;
+    // The circle's farthest point lies behind its centre; does the arc have it?
+    const dvec2 away = piece.centre - eye;
+    const double distance = glm::length(away);
+    const dvec2 farthest = distance > 0 ? away / distance : dvec2(1, 0);
+    const dvec2 middle = direction(0.5 * (piece.startRadians + piece.endRadians));
+    const double halfTurn = 0.5 * std::abs(piece.endRadians - piece.startRadians);
+    return distance == 0 || glm::dot(middle, farthest) >= std::cos(std::min(halfTurn, pi))
+               ? distance + piece.radius
+               : ends;
 }
 
 /// Steps along every piece of a profile, and their sum.
@@ -409,36 +449,29 @@ Turned Lathe::finish() const {
 }
 
 Solid::Solid(const Shape& shape) {
-    const std::vector<ProfilePiece> profile = profileOf(shape);
-    for (const ProfilePiece& piece : profile) {
-        const auto [first, last] = std::minmax(piece.startRadians, piece.endRadians);
-        parts_.push_back({piece, direction(first), direction(last), isFullTurn(piece)});
-    }
     double bottom = std::numeric_limits<double>::infinity();
     double top = -bottom;
-    for (const ProfilePiece& piece : profile)
-        for (const double share : {0.0, 0.5, 1.0}) {
-            bottom = std::min(bottom, pointAt(piece, share).position.y);
-            top = std::max(top, pointAt(piece, share).position.y);
-        }
-    boundingCentreY_ = 0.5 * (bottom + top);
-    const dvec2 centre(0, boundingCentreY_);
-    for (const ProfilePiece& piece : profile) {
-        double reach = std::max(glm::distance(centre, pointAt(piece, 0).position),
-                                glm::distance(centre, pointAt(piece, 1).position));
-        if (piece.kind == ProfilePiece::Kind::arc) {
-            // The circle's farthest point lies behind its centre, if the arc has it.
-            const dvec2 away = piece.centre - centre;
-            const double distance = glm::length(away);
-            const dvec2 farthest = distance > 0 ? away / distance : dvec2(1, 0);
-            const ProfilePoint middle = pointAt(piece, 0.5);
-            const double halfTurn = 0.5 * std::abs(piece.endRadians - piece.startRadians);
-            const dvec2 radial = (middle.position - piece.centre) / piece.radius;
-            if (glm::dot(radial, farthest) >= std::cos(std::min(halfTurn, pi)))
-                reach = std::max(reach, distance + piece.radius);
-        }
-        boundingRadius_ = std::max(boundingRadius_, reach);
+    for (const ProfilePiece& piece : profileOf(shape)) {
+        Part part{.piece = piece};
+        const auto [first, last] = std::minmax(piece.startRadians, piece.endRadians);
+        part.first = direction(first);
+        part.last = direction(last);
+        part.fullTurn = isFullTurn(piece);
+        part.min = glm::min(pointAt(piece, 0).position, pointAt(piece, 1).position);
+        part.max = glm::max(pointAt(piece, 0).position, pointAt(piece, 1).position);
+        if (piece.kind == ProfilePiece::Kind::arc)
+            for (double quarter = std::ceil(first / (pi / 2)); quarter <= last / (pi / 2); ++quarter) {
+                const dvec2 extreme = piece.centre + piece.radius * direction(quarter * (pi / 2));
+                part.min = glm::min(part.min, extreme);
+                part.max = glm::max(part.max, extreme);
+            }
+        parts_.push_back(part);
+        bottom = std::min(bottom, part.min.y);
+        top = std::max(top, part.max.y);
     }
+    boundingCentreY_ = 0.5 * (bottom + top);
+    for (const Part& part : parts_)
+        boundingRadius_ = std::max(boundingRadius_, reachFrom({0, boundingCentreY_}, part.piece));
     boundingRadius_ *= 1 + 16 * unitRoundoff;
 }
 
@@ -454,19 +487,27 @@ std::optional<Hit> Solid::intersect(const Ray& ray) const {
     const double tolerance = onSurface * size();
     const dvec3 fromBall = centred.origin - dvec3(0, boundingCentreY_, 0);
     const double alongBall = glm::dot(fromBall, centred.direction);
-    if (glm::dot(fromBall, fromBall) - alongBall * alongBall >
-        (boundingRadius_ + 2 * tolerance) * (boundingRadius_ + 2 * tolerance))
+    const double reach = boundingRadius_ + 2 * tolerance;
+    // Both squares are below 4 size², and their rounding errors below 32 ε size².
+    const double halfChordSquared = reach * reach + 32 * unitRoundoff * size() * size() -
+                                    (glm::dot(fromBall, fromBall) - alongBall * alongBall);
+    if (halfChordSquared < 0)
         return {};
+    const double halfChord = std::sqrt(halfChordSquared);
+    const Span inBall{-alongBall - halfChord, -alongBall + halfChord};
 
     std::optional<Hit> nearest;
     for (const Part& part : parts_) {
+        const std::optional<Span> span = spanInBox(centred, part, inBall, 2 * tolerance);
+        if (!span)
+            continue;
         const ProfilePiece& piece = part.piece;
         Candidates candidates;
         if (piece.kind == ProfilePiece::Kind::arc) {
             if (piece.centre.x == 0)
                 meetBall(centred, piece.centre.y, piece.radius, candidates);
             else
-                meetTorus(centred, piece.centre.y, piece.centre.x, piece.radius, candidates);
+                meetTorus(centred, piece.centre.y, piece.centre.x, piece.radius, *span, candidates);
         } else if (piece.from.y == piece.to.y) {
             meetDisc(centred, piece.from.y, candidates);
         } else {

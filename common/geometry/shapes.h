@@ -122,12 +122,14 @@ class Solid {
     /// count as meeting it; every exact tangent does.
     std::optional<Hit> intersect(const Ray& ray) const;
 
-    /// A piece of the profile with the directions of its arc's ends, smaller angle first.
+    /// A piece of the profile, made ready.
     struct Part {
         ProfilePiece piece;
-        glm::dvec2 first;
-        glm::dvec2 last;
-        bool fullTurn;
+        glm::dvec2 first{0};  ///< direction of the arc's end with the smaller angle
+        glm::dvec2 last{0};   ///< and of the other
+        bool fullTurn = false;
+        glm::dvec2 min{0};  ///< the box (ρ, y) that holds the piece
+        glm::dvec2 max{0};
     };
     const std::vector<Part>& parts() const { return parts_; }
     /// A ball about (0, y, 0) that holds the solid.
