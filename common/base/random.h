@@ -28,9 +28,10 @@ class Random {
 
     /// Uniform in 0 … count-1 (count > 0), without bias: multiply-shift with rejection (Lemire 2019).
     std::uint64_t below(std::uint64_t count) {
+        __extension__ using Wide = unsigned __int128;
         const std::uint64_t unfair = (0 - count) % count;
         for (;;) {
-            const auto product = static_cast<unsigned __int128>(bits()) * count;
+            const auto product = static_cast<Wide>(bits()) * count;
             if (static_cast<std::uint64_t>(product) >= unfair)
                 return static_cast<std::uint64_t>(product >> 64);
         }

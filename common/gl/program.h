@@ -39,11 +39,11 @@ std::string authorsLog(std::string_view driverLog, const ShaderSource& source);
 
 /// Which files make a program and which `#define`s they see.
 struct ProgramFiles {
-    std::string label;
-    std::string vertex;    ///< relative to shaders/
-    std::string fragment;  ///< relative to shaders/
-    std::string geometry;  ///< empty: none
-    std::vector<std::pair<std::string, std::string>> defines;
+    std::string label = {};
+    std::string vertex = {};    ///< relative to shaders/
+    std::string fragment = {};  ///< relative to shaders/
+    std::string geometry = {};  ///< empty: none
+    std::vector<std::pair<std::string, std::string>> defines = {};
 };
 
 /// The state of a file on disk, to see later whether it changed.
