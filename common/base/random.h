@@ -28,16 +28,16 @@ class Random {
 
     /// Uniform in 0 … count-1 (count > 0), without bias: multiply-shift with rejection (Lemire 2019).
     std::uint64_t below(std::uint64_t count) {
+        __extension__ using Wide = unsigned __int128;
         const std::uint64_t unfair = (0 - count) % count;
         for (;;) {
-            const Wide product = static_cast<Wide>(bits()) * count;
+            const auto product = static_cast<Wide>(bits()) * count;
             if (static_cast<std::uint64_t>(product) >= unfair)
                 return static_cast<std::uint64_t>(product >> 64);
         }
     }
 
   private:
-    __extension__ using Wide = unsigned __int128;
     std::uint64_t state_;
 };
 

@@ -47,12 +47,12 @@ struct BlockBinding {
 /// Which files make a program, which `#define`s they see, and where its uniform blocks are bound. Blocks that
 /// the program does not use are passed over.
 struct ProgramFiles {
-    std::string label;
-    std::string vertex;      ///< relative to shaders/
-    std::string fragment;    ///< relative to shaders/
-    std::string geometry{};  ///< empty: none
-    std::vector<std::pair<std::string, std::string>> defines{};
-    std::vector<BlockBinding> blocks{};
+    std::string label = {};
+    std::string vertex = {};    ///< relative to shaders/
+    std::string fragment = {};  ///< relative to shaders/
+    std::string geometry = {};  ///< empty: none
+    std::vector<std::pair<std::string, std::string>> defines = {};
+    std::vector<BlockBinding> blocks = {};
 };
 
 /// The state of a file on disk, to see later whether it changed.

@@ -27,7 +27,7 @@ struct Pass {
 };
 
 struct ResourceDescription {
-    std::string name;
+    std::string name = {};
     Format format = Format::rgba8;
     int width = 0;   ///< texels, ≥ 1
     int height = 0;  ///< texels, ≥ 1
@@ -37,10 +37,11 @@ struct ResourceDescription {
 class PassContext;
 
 struct PassDescription {
-    std::string name;
-    std::vector<Resource> reads;
-    std::vector<Resource> writes;  ///< colour targets in order of attachment, and at most one depth target
-    std::function<void(PassContext&)> execute;
+    std::string name = {};
+    std::vector<Resource> reads = {};
+    std::vector<Resource> writes =
+        {};  ///< colour targets in order of attachment, and at most one depth target
+    std::function<void(PassContext&)> execute = {};
 };
 
 /// What will run, in order, and how long each resource lives.

@@ -188,7 +188,14 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     compareCommand->add_option("B", compareOptions.second, "Test picture")->required();
     compareCommand
         ->add_option_function<std::string>(
-            "--metric", [&](const std::string& name) { compareOptions.metric = parseMetric(name); },
+            "--metric",
+            [&](const std::string& name) {
+                const std::optional<Metric> metric = parseMetric(name);
+                if (!metric)
+                    throw InputError(fmt::format("there is no metric \"{}\"", printable(name, 40)),
+                                     "--metric", "choose from rmse, psnr, ssim, flip");
+                compareOptions.metric = *metric;
+            },
             "Which figure")
         ->type_name("rmse|psnr|ssim|flip")
         ->default_str("flip");

@@ -348,9 +348,7 @@ ExitStatus compare(const CompareOptions& options) {
     const Comparison comparison = compareImages(first, second, options.metric);
     if (!options.out.empty())
         writeImage(options.out, errorMap(comparison.perPixel));
-    // Larger is worse for all but the two measures of likeness.
-    const bool likeness = options.metric == Metric::psnr || options.metric == Metric::ssim;
-    if (options.maxError && likeness)
+    if (options.maxError && higherIsBetter(options.metric))
         throw InputError(fmt::format("{} grows with likeness", metricName(options.metric)), "--max-error",
                          "use it with rmse or flip");
     if (options.json)
