@@ -31,13 +31,14 @@ TEST(FrameBounds, SeesEveryCornerOfBoxesOfAnySizeAndPlace) {
     Random random(4);
     for (int round = 0; round < 2000; ++round) {
         const double size = std::exp2(random.uniform(-60, 60));
-        // Up to 2^18 sizes away from the origin; beyond, floats do not hold the eye's place well enough.
-        const double away = size * std::exp2(random.uniform(-4, 18));
+        // Up to 2^14 sizes away from the origin, where the eye's place is rounded by less than 2^-10 sizes.
+        const double away = size * std::exp2(random.uniform(-4, 14));
         Bounds bounds;
         for (int corner = 0; corner < 2; ++corner) {
             glm::vec3 p;
             for (int axis = 0; axis < 3; ++axis)
-                p[axis] = static_cast<float>((axis == round % 3 ? away : 0) + size * random.uniform(-1, 1));
+                p[axis] = static_cast<float>((axis == round % 3 ? away : 0) +
+                                             size * (corner ? 1 : -1) * random.uniform(0.2, 1));
             bounds.extend(p);
         }
         const float aspect = static_cast<float>(std::exp2(random.uniform(-2, 2)));
