@@ -49,6 +49,7 @@ class GltfReader {
     GltfReader(std::string_view contents, const std::filesystem::path& file)
         : where_(printable(file.string())),
           folder_(file.parent_path()),
+          most_((std::size_t{1} << 16) + contents.size()),
           container_(openGltf(contents, where_)),
           document_(parseBoundedJson(container_.json, where_)),
           root_(document_, where_),
@@ -516,8 +517,8 @@ class GltfReader {
                 node.fail("has a transform that overflows");
         if (const auto mesh = node.optionalIndex("mesh"))
             for (const Part& part : partsOfMesh(*mesh)) {
-                if (scene_.instances.size() == mostInstances)
-                    node.fail(fmt::format("makes more than {} instances", mostInstances));
+                if (scene_.instances.size() == most_)
+                    node.fail(fmt::format("makes more than {} instances", most_));
                 const std::string& meshName = scene_.meshes[part.mesh].name;
                 scene_.instances.push_back(
                     {printable(node.stringOr("name", meshName)), part.mesh, part.material, matrix});
@@ -571,7 +572,7 @@ class GltfReader {
         camera.worldFromCamera =
             glm::mat4(glm::dmat4(glm::dvec4(unitRight, 0), glm::dvec4(unitUp, 0), glm::dvec4(-*forward, 0),
                                  glm::dvec4(glm::dvec3(worldFromNode[3]), 1)));
-        if (scene_.cameras.size() < mostInstances)
+        if (scene_.cameras.size() < most_)
             scene_.cameras.push_back(camera);
     }
 
@@ -601,15 +602,14 @@ class GltfReader {
             light.innerConeRadians =
                 static_cast<float>(std::clamp(spot->numberOr("innerConeAngle", 0), 0.0, outer));
         }
-        if (scene_.lights.size() < mostInstances)
+        if (scene_.lights.size() < most_)
             scene_.lights.push_back(light);
     }
 
-    /// Nodes times parts: a small file can ask for many.
-    static constexpr std::size_t mostInstances = std::size_t{1} << 20;
-
     std::string where_;
     std::filesystem::path folder_;
+    /// Of instances, lights or cameras. A small file can ask for many: as many as it has nodes times parts.
+    std::size_t most_;
     GltfContainer container_;
     nlohmann::json document_;
     JsonView root_;
