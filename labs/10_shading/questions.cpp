@@ -143,10 +143,10 @@ std::vector<Measurement> measureCost(Studio& studio) {
     const auto look = [&](int segments) {
         lab.tessellation.set(segments);
         lab.shading.set(static_cast<int>(ShadingModel::gouraud));
-        const double gouraud = studio.time(lab, frame).medianSeconds;
+        const double gouraud = studio.time(lab, frame, 5, 1).medianSeconds;
         const auto vertices = static_cast<double>(lab.counters().at("vertices"));
         lab.shading.set(static_cast<int>(ShadingModel::phong));
-        const double phong = studio.time(lab, frame).medianSeconds;
+        const double phong = studio.time(lab, frame, 5, 1).medianSeconds;
         const double background = static_cast<double>(frame.width) * frame.height;
         const double fragments = static_cast<double>(studio.samplesPassed(lab, frame)) - background;
         figures.push_back({fmt::format("{} segments: vertices", segments), vertices, "", {}});
