@@ -182,7 +182,7 @@ TEST_P(ObjectsTest, MemoryThatTheDeviceLacksIsAGlError) {
     GLint limit = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
     if (!context_->isSoftware() || limit < 16384)
-        return;
+        GTEST_SKIP() << "this device may well have room for the largest texture";
     // 16384² texels of 16 bytes are 4 GiB; llvmpipe 22.3 takes at most 1 GiB (2 GiB from 23.1 on) a texture.
     EXPECT_THAT(messageOf<GlError>([&] { Texture2D("huge", GL_RGBA32F, 16384, 16384); }),
                 HasSubstr("GL_OUT_OF_MEMORY"));
@@ -269,7 +269,7 @@ TEST_P(ObjectsTest, SamplingSrgbGivesLinearLight) {
         EXPECT_LE(error, halfStep(i)) << i;
         worst = std::max(worst, error);
         worstInSteps = std::max(worstInSteps, error / (2 * halfStep(i)));
-        EXPECT_EQ(sampled.pixel(i, 0)[3], static_cast<float>(i) / 255.0f) << "alpha is linear";
+        EXPECT_NEAR(sampled.pixel(i, 0)[3], i / 255.0, 0x1p-23) << "alpha is linear";
     }
     RecordProperty("worstError", std::to_string(worst));
     RecordProperty("worstErrorInSteps", std::to_string(worstInSteps));
