@@ -145,6 +145,14 @@ GLenum uploadTarget(GLenum target) {
     return target == GL_ELEMENT_ARRAY_BUFFER ? GL_COPY_WRITE_BUFFER : target;
 }
 
+/// Binds a texture to be changed or read, on a unit that no shader samples from (the last that OpenGL 3.3
+/// guarantees), so that what passes have bound stays bound.
+void bindForEditing(GLuint texture) {
+    constexpr GLenum unit = GL_TEXTURE0 + 47;
+    glActiveTexture(unit);
+    glBindTexture(GL_TEXTURE_2D, texture);
+}
+
 template <typename Channel>
 void flipRows(BasicImage<Channel>& image) {
     const auto row = static_cast<std::ptrdiff_t>(image.width) * image.channels;
@@ -158,7 +166,7 @@ template <typename Channel>
 BasicImage<Channel> download(const Texture2D& texture, int channels, GLenum format, GLenum type) {
     BasicImage<Channel> image(texture.width(), texture.height(), channels,
                               isSrgb(texture.internalFormat()) ? Encoding::srgb : Encoding::linear);
-    glBindTexture(GL_TEXTURE_2D, texture.get());
+    bindForEditing(texture.get());
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glGetTexImage(GL_TEXTURE_2D, 0, format, type, image.data.data());
     flipRows(image);
@@ -241,7 +249,7 @@ Texture2D::Texture2D(std::string_view label, GLenum internalFormat, int width, i
     : width_(width), height_(height), internalFormat_(internalFormat) {
     checkSize(label, width, height);
     handle_ = Handle<DeleteTexture>(newName(glGenTextures));
-    glBindTexture(GL_TEXTURE_2D, get());
+    bindForEditing(get());
     const auto [format, type] = transferOf(internalFormat);
     glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internalFormat), width, height, 0, format, type,
                  nullptr);
@@ -277,7 +285,7 @@ Texture2D::Texture2D(std::string_view label, const Image8& image)
     internalFormat_ = !srgb ? linearFormats[channels - 1] : channels == 3 ? GL_SRGB8 : GL_SRGB8_ALPHA8;
 
     handle_ = Handle<DeleteTexture>(newName(glGenTextures));
-    glBindTexture(GL_TEXTURE_2D, get());
+    bindForEditing(get());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internalFormat_), width_, height_, 0,
                  formats[channels - 1], GL_UNSIGNED_BYTE, spread ? spreadTexels.data() : image.data.data());
@@ -299,13 +307,13 @@ void Texture2D::bind(GLuint unit) const {
 }
 
 void Texture2D::setFilter(GLenum minification, GLenum magnification) {
-    glBindTexture(GL_TEXTURE_2D, get());
+    bindForEditing(get());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(minification));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(magnification));
 }
 
 void Texture2D::setWrap(GLenum s, GLenum t) {
-    glBindTexture(GL_TEXTURE_2D, get());
+    bindForEditing(get());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, static_cast<GLint>(s));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, static_cast<GLint>(t));
 }

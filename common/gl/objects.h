@@ -108,7 +108,8 @@ class VertexArray {
     Handle<DeleteVertexArray> handle_;
 };
 
-/// A two-dimensional texture; sizes beyond the driver's limit are an InputError.
+/// A two-dimensional texture; sizes beyond the driver's limit are an InputError. Making, changing and reading
+/// one leaves the textures that `bind` bound as they are.
 class Texture2D {
   public:
     Texture2D() = default;

@@ -25,10 +25,18 @@ class ShaderError : public Error {
 /// GLSL as its author wrote it: files under shaders/, pulled together by `#include "path/from/shaders.glsl"`
 /// (relative to the including file first, then to shaders/). Each file is included once, so that it needs no
 /// guards, and outside `#if`. The first line of the main file is `#version 330 core`. Cycles, depth over 32,
-/// a total over 4 MiB, missing files, and another `#version` are ShaderErrors with file and line.
+/// a total over 4 MiB, missing files, `#line` and another `#version` are ShaderErrors with file and line. The
+/// text is numbered through, without `#line`: Mesa's compiler forgets the file number of a `#line` in most
+/// messages.
 struct ShaderSource {
-    std::string text;                          ///< what the compiler gets, with #line directives
-    std::vector<std::filesystem::path> files;  ///< indexed by the source-string numbers of those #lines
+    /// Where a line of the text was written.
+    struct Origin {
+        std::size_t file = 0;  ///< index into `files`
+        std::size_t line = 0;  ///< from 1
+    };
+    std::string text;                          ///< what the compiler gets
+    std::vector<std::filesystem::path> files;  ///< the main file, then what it includes
+    std::vector<Origin> lines;                 ///< of each line of `text`
 };
 ShaderSource loadShader(const std::filesystem::path& file,
                         const std::vector<std::pair<std::string, std::string>>& defines = {});

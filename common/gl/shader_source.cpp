@@ -134,6 +134,8 @@ class Loader {
             }
             if (directive.name == "version")
                 throw ShaderError("#version is for the first line of the main file", where, "delete it");
+            if (directive.name == "line")
+                throw ShaderError("#line would hide where a fault is", where, "delete it");
             if (directive.name == "if" || directive.name == "ifdef" || directive.name == "ifndef")
                 ++conditions;
             if (directive.name == "endif" && conditions > 0)
@@ -143,10 +145,8 @@ class Loader {
                     throw ShaderError("#include inside #if", where,
                                       "move it out: a file is included once anyway");
                 include(file, directive.argument, where);
-                source_.text += fmt::format("#line {} {}\n", line + 1, number);
             } else {
-                source_.text += text;
-                source_.text += '\n';
+                addLine(text, number, line);
             }
         }
         if (line == 0 && defines != nullptr)
@@ -159,18 +159,21 @@ class Loader {
         if (trim(code) != versionLine)
             throw ShaderError(fmt::format("the first line is not {}", versionLine), where,
                               "make it so: the labs use OpenGL 3.3 core");
-        source_.text += versionLine;
-        source_.text += '\n';
-        // A fault in a define is reported at the line that stands for all of them.
+        addLine(versionLine, 0, 1);
         for (const auto& [name, value] : defines) {
             if (name.empty() || !isWordStart(name[0]) || !std::all_of(name.begin(), name.end(), isWordPart) ||
                 value.find_first_of("\n\r\\") != std::string::npos)
                 throw ShaderError(fmt::format("\"{}\" cannot be defined as \"{}\"", printable(name, 60),
                                               printable(value, 60)),
                                   where);
-            source_.text += fmt::format("#line 1 0\n#define {} {}\n", name, value);
+            addLine(fmt::format("#define {} {}", name, value), 0, 1);
         }
-        source_.text += "#line 2 0\n";
+    }
+
+    void addLine(std::string_view text, std::size_t file, std::size_t line) {
+        source_.text += text;
+        source_.text += '\n';
+        source_.lines.push_back({file, line});
     }
 
     void include(const fs::path& from, std::string_view argument, const std::string& where) {
@@ -202,7 +205,6 @@ class Loader {
             return;
         if (open_.size() >= maxDepth)
             throw ShaderError(fmt::format("#include deeper than {} files", maxDepth), where);
-        source_.text += fmt::format("#line 1 {}\n", source_.files.size());
         addFile(file, where, nullptr);
     }
 
@@ -368,11 +370,13 @@ std::string authorsLog(std::string_view driverLog, const ShaderSource& source) {
             std::min(driverLog.find_first_of(std::string_view("\n\0", 2)), driverLog.size());
         const std::string_view line = driverLog.substr(0, end);
         const std::optional<Place> place = placeOf(line);
-        if (place && place->file < source.files.size())
-            log += fmt::format("{}:{}: {}{}", detail::displayName(source.files[place->file]), place->line,
+        if (place && place->file == 0 && place->line >= 1 && place->line <= source.lines.size()) {
+            const ShaderSource::Origin& origin = source.lines[place->line - 1];
+            log += fmt::format("{}:{}: {}{}", detail::displayName(source.files[origin.file]), origin.line,
                                place->severity, place->rest);
-        else
+        } else {
             log += line;
+        }
         if (end < driverLog.size())
             log += '\n';
         driverLog.remove_prefix(std::min(end + 1, driverLog.size()));
