@@ -239,11 +239,13 @@ HalfFilter scaled(const std::vector<double>& half, double factor) {
 /// All filters of FLIP, separated into rows and columns. The filter of Cz is a sum of two Gaussians in two
 /// dimensions: two pairs of row and column, each Gaussian its own row and column.
 struct Filters {
-    HalfFilter y;                   ///< contrast sensitivity, achromatic
-    HalfFilter cx;                  ///< red–green
-    HalfFilter cz1, cz2;            ///< blue–yellow
-    HalfFilter gauss, edge, point;  ///< features: smoothing across, first and second derivative along
-    int radius = 0;                 ///< of the longest, pixels
+    HalfFilter y;            ///< contrast sensitivity, achromatic
+    HalfFilter cx;           ///< red–green
+    HalfFilter cz1, cz2;     ///< blue–yellow
+    HalfFilter gauss, edge;  ///< features: smoothing across, first derivative along
+    HalfFilter point;        ///< second derivative along, applied to differences from the middle pixel: its
+                             ///< weights sum to 0, and so do its products on an even area, exactly
+    int radius = 0;          ///< of the longest, pixels
 };
 
 /// e^(−π² x² / b), the paper's form of a Gaussian of frequency width b, at `radius` + 1 pixels.
@@ -449,14 +451,14 @@ QX_INLINE void filterRow(const Frame& frame, int width, const Scratch& scratch, 
             sumCz2 += filters.cz2[k] * both;
         }
         Floats edge{};
-        Floats point = filters.point[0] * middle;
+        Floats point{};
         Floats gauss = filters.gauss[0] * middle;
         for (int k = 1; k < static_cast<int>(filters.gauss.size()); ++k) {
             const Floats left = load(y - k);
             const Floats right = load(y + k);
             const Floats both = left + right;
             edge += filters.edge[k] * (right - left);
-            point += filters.point[k] * both;
+            point += filters.point[k] * (both - 2 * middle);
             gauss += filters.gauss[k] * both;
         }
         store(to + planeY * tileWidth + x, sumY);
@@ -507,14 +509,15 @@ QX_INLINE Perceived perceive(const Filters& filters, const float* const* rows, i
     Floats edgeX = filters.gauss[0] * at(0, planeEdge);
     Floats pointX = filters.gauss[0] * at(0, planePoint);
     Floats edgeY{};
-    Floats pointY = filters.point[0] * at(0, planeGauss);
+    Floats pointY{};
+    const Floats middle = at(0, planeGauss);
     for (int k = 1; k < static_cast<int>(filters.gauss.size()); ++k) {
         edgeX += filters.gauss[k] * (at(-k, planeEdge) + at(k, planeEdge));
         pointX += filters.gauss[k] * (at(-k, planePoint) + at(k, planePoint));
         const Floats above = at(-k, planeGauss);
         const Floats below = at(k, planeGauss);
         edgeY += filters.edge[k] * (below - above);
-        pointY += filters.point[k] * (above + below);
+        pointY += filters.point[k] * ((above + below) - 2 * middle);
     }
 
     const Floats xyz[3] = {y + cx, y, y - (cz1 + cz2)};

@@ -161,14 +161,16 @@ bool encodeExr(const Image& image, const std::string& note, std::vector<unsigned
 }  // namespace
 }  // namespace quincunx::imageio
 
-// OpenImageIO 2.4 leaves libpng its own error handler, which prints. As this module comes before its
-// dependencies in the order that symbols are looked up, OpenImageIO calls this function instead of libpng's.
-extern "C" __attribute__((visibility("default"))) void* png_create_read_struct(
-    const char* version, void* errorPointer, quincunx::imageio::PngHandler, quincunx::imageio::PngHandler) {
+// The error handler that OpenImageIO 2.4 gives to libpng returns, whereupon libpng prints to stderr. As this
+// module comes before its dependencies in the order that symbols are looked up, OpenImageIO calls this
+// function instead of libpng's.
+extern "C" __attribute__((visibility("default"))) void png_set_error_fn(void* png, void* errorPointer,
+                                                                        quincunx::imageio::PngHandler,
+                                                                        quincunx::imageio::PngHandler) {
     using namespace quincunx::imageio;
-    using Create = void* (*)(const char*, void*, PngHandler, PngHandler);
-    static const auto create = reinterpret_cast<Create>(dlsym(RTLD_NEXT, "png_create_read_struct"));
-    return create(version, errorPointer, &stopPng, &ignorePngWarning);
+    using Set = void (*)(void*, void*, PngHandler, PngHandler);
+    static const auto set = reinterpret_cast<Set>(dlsym(RTLD_NEXT, "png_set_error_fn"));
+    set(png, errorPointer, &stopPng, &ignorePngWarning);
 }
 
 extern "C" __attribute__((visibility("default"))) const quincunx::imageio::Table* quincunxImageIo() {

@@ -502,7 +502,7 @@ TEST(ImageIoModule, LoadsOnAnotherThreadAndIsThenThere) {
 
 TEST(ImageIoModule, AnExitWhileLoadingIsClean) {
     if (!isFreshProcess()) {
-        for (int milliseconds = 0; milliseconds < 200; milliseconds += 40)
+        for (int milliseconds = 0; milliseconds < 150; milliseconds += 50)
             EXPECT_EQ(freshRun(std::to_string(milliseconds)), 0) << milliseconds;
         return;
     }
