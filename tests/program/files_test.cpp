@@ -1,6 +1,7 @@
 // Files that are missing, cut off or hostile, and places that cannot be written.
 
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct BadFile {
     std::string name;
     std::string contents;
 };
+
+void PrintTo(const BadFile& file, std::ostream* stream) {
+    *stream << file.name;
+}
 
 class ProgramModels : public Program, public testing::WithParamInterface<BadFile> {};
 
@@ -79,8 +84,8 @@ INSTANTIATE_TEST_SUITE_P(
             "nodes":[{"children":[1]},{"children":[0]}])")},
         BadFile{"empty.glb", ""}, BadFile{"magic.glb", "glTX\2\0\0\0\14\0\0\0"},
         BadFile{"cut.glb", std::string("glTF\2\0\0\0\377\377\377\377\377\377\377\377JSON", 20)}),
-    [](const testing::TestParamInfo<BadFile>& info) {
-        std::string name = info.param.name;
+    [](const testing::TestParamInfo<BadFile>& tested) {
+        std::string name = tested.param.name;
         for (char& c : name)
             c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
         return name;

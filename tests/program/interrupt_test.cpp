@@ -64,8 +64,9 @@ TEST_F(ProgramInterrupted, APictureIsWholeOrAbsentWheneverTheSignalComes) {
         EXPECT_THAT(temporaryFiles(), testing::IsEmpty());
         const bool drawn = std::filesystem::exists(folder_ / "picture.png");
         EXPECT_EQ(drawn, result.exitStatus == 0) << result.text();
-        if (drawn)
+        if (drawn) {
             EXPECT_TRUE(succeeded(call({"compare", "picture.png", "picture.png"}))) << after;
+        }
     }
 }
 

@@ -27,8 +27,9 @@ class ProgramJson : public Program {
         EXPECT_EQ(result.err, "");
         json parsed = json::parse(result.out, nullptr, false);
         EXPECT_FALSE(parsed.is_discarded()) << result.text();
-        if (parsed.is_object() && parsed.contains("pass"))
+        if (parsed.is_object() && parsed.contains("pass")) {
             EXPECT_EQ(parsed["pass"], result.exitStatus == 0);
+        }
         return parsed;
     }
     static std::set<std::string> names(const json& object) {

@@ -1,5 +1,6 @@
 // Right and wrong use of the command line.
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,10 @@ struct WrongUse {
     std::string named;  ///< what the message must name
 };
 
+void PrintTo(const WrongUse& use, std::ostream* stream) {
+    *stream << testing::PrintToString(use.words);
+}
+
 class ProgramWrongUse : public Program, public testing::WithParamInterface<WrongUse> {};
 
 TEST_P(ProgramWrongUse, IsOneLineOnStderrAndExitStatusTwo) {
@@ -102,9 +107,9 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{{"stress", "nosuch"}, "10_shading"}, WrongUse{{"stress", "shading", "--nosuch"}, "--nosuch"},
         WrongUse{{"compare"}, "A"}, WrongUse{{"compare", "a.png"}, "B"},
         WrongUse{{"compare", "a.png", "b.png", "--metric", "nosuch"}, "flip"}),
-    [](const testing::TestParamInfo<WrongUse>& info) {
-        std::string name = std::to_string(info.index);
-        for (const std::string& word : info.param.words)
+    [](const testing::TestParamInfo<WrongUse>& tested) {
+        std::string name = std::to_string(tested.index);
+        for (const std::string& word : tested.param.words)
             for (const char c : word.substr(0, 20))
                 name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
         return name;
