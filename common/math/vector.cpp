@@ -13,8 +13,23 @@ double sumOfSquares(glm::dvec3 v) {
     return v.x * v.x + v.y * v.y + v.z * v.z;
 }
 
-/// Sums of squares between these are right to 3 u as they are: squares that vanished are below 2^-1022, and
-/// 2^-1022 / 2^-900 is far less than u.
+/// Σ v² within a relative u (1 + 4 u): the errors of squares and sums are carried along.
+double carefulSumOfSquares(glm::dvec3 v) {
+    const glm::dvec3 squares = v * v;
+    const double xy = squares.x + squares.y;
+    const double xyz = xy + squares.z;
+    // Exact errors of the two sums (Knuth), whichever term is larger.
+    const double yRounded = xy - squares.x;
+    const double zRounded = xyz - xy;
+    const double sumErrors = ((squares.x - (xy - yRounded)) + (squares.y - yRounded)) +
+                             ((xy - (xyz - zRounded)) + (squares.z - zRounded));
+    const double squareErrors =
+        std::fma(v.x, v.x, -squares.x) + std::fma(v.y, v.y, -squares.y) + std::fma(v.z, v.z, -squares.z);
+    return xyz + (sumErrors + squareErrors);
+}
+
+/// Sums of squares between these are right as they are: what vanished is below 2^-1022, and 2^-1022 / 2^-900
+/// is far less than u.
 constexpr double smallestSafeSquare = 0x1p-900;
 constexpr double largestSafeSquare = 0x1p1000;
 
@@ -41,7 +56,7 @@ glm::vec3 crossNaive(glm::vec3 a, glm::vec3 b) {
 }
 
 double length(glm::dvec3 v) {
-    const double squared = sumOfSquares(v);
+    const double squared = carefulSumOfSquares(v);
     if (squared >= smallestSafeSquare && squared <= largestSafeSquare)
         return std::sqrt(squared);
     if (!isFinite(v))
@@ -49,7 +64,7 @@ double length(glm::dvec3 v) {
     if (v == glm::dvec3(0))
         return 0;
     const Scaled scaled = scaleToOne(v);
-    return std::scalbn(std::sqrt(sumOfSquares(scaled.vector)), scaled.exponent);
+    return std::scalbn(std::sqrt(carefulSumOfSquares(scaled.vector)), scaled.exponent);
 }
 
 float lengthNaive(glm::vec3 v) {
@@ -57,13 +72,13 @@ float lengthNaive(glm::vec3 v) {
 }
 
 std::optional<glm::dvec3> normalize(glm::dvec3 v) {
-    const double squared = sumOfSquares(v);
+    const double squared = carefulSumOfSquares(v);
     if (squared >= smallestSafeSquare && squared <= largestSafeSquare)
         return v / std::sqrt(squared);
     if (!isFinite(v) || v == glm::dvec3(0))
         return std::nullopt;
     const glm::dvec3 scaled = scaleToOne(v).vector;
-    return scaled / std::sqrt(sumOfSquares(scaled));
+    return scaled / std::sqrt(carefulSumOfSquares(scaled));
 }
 
 std::optional<glm::vec3> normalizePrescaled(glm::vec3 v) {

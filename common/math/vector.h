@@ -90,8 +90,9 @@ inline float length(glm::vec3 v) {
     return squared >= 0 ? static_cast<float>(std::sqrt(squared)) : std::numeric_limits<float>::infinity();
 }
 
-/// |v| to 2.5 ulp, by powers of two that keep the squares in range (Blue, "A portable Fortran program to find
-/// the Euclidean norm of a vector", ACM TOMS 4, 1978). Degenerate input as for float. Held by Length.*.
+/// |v| to 1.5 ulp: squares summed with their errors (u), a root (u), by powers of two that keep the squares
+/// in range (Blue, "A portable Fortran program to find the Euclidean norm of a vector", ACM TOMS 4, 1978).
+/// Degenerate input as for float. Held by Length.*.
 double length(glm::dvec3 v);
 
 float lengthNaive(glm::vec3 v);
@@ -106,8 +107,9 @@ inline std::optional<glm::vec3> normalize(glm::vec3 v) {
     return glm::vec3(d * (1 / std::sqrt(squared)));
 }
 
-/// v / |v|, each component to 2.5 ulp, for every finite v but zero; none as for float. Powers of two keep the
-/// squares in range (Blue 1978). Held by Normalize.*.
+/// v / |v|, each component to 2.5 ulp, for every finite v but zero; none as for float. The square of the
+/// length is off by u, so its root by 3/2 u and the quotient by 5/2 u. Powers of two keep the squares in
+/// range (Blue 1978). Held by Normalize.*.
 std::optional<glm::dvec3> normalize(glm::dvec3 v);
 
 /// v / |v| in float arithmetic alone, each component to 2.5 ulp: what a shader can do. Scaled by the power of

@@ -56,7 +56,7 @@ TEST(Normalize, IsRoundedOnceForEverySize) {
     EXPECT_LE(worstPrescaled, 2.5);
 }
 
-// Measured: 2.24.
+// Measured: 1.90 over 3 · 10⁶.
 TEST(Normalize, KeepsItsBoundForDoublesOfEverySize) {
     StressInputs draw(2);
     double worst = 0;
@@ -107,7 +107,7 @@ TEST(Length, IsRoundedOnceForEverySize) {
         const glm::vec3 v = i % 2 == 0 ? draw.vectorOfMagnitude(-148, 126) : draw.finiteVector();
         ASSERT_LE(ulpError(length(v), oracle::length(RealVector(v))), halfUlp);
         const glm::dvec3 d = draw.doubleVectorOfMagnitude(-1070, 1020);
-        ASSERT_LE(ulpError(length(d), oracle::length(RealVector(d))), 2.5);
+        ASSERT_LE(ulpError(length(d), oracle::length(RealVector(d))), 1.5);
     }
 }
 
