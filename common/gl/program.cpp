@@ -352,7 +352,7 @@ std::optional<std::string> ProgramCache::reloadChanged() {
     std::optional<std::string> broken;
     for (const auto& program : programs_) {
         try {
-            program->reloadIfChanged();
+            rebuilds_ += program->reloadIfChanged() ? 1 : 0;
         } catch (const ShaderError&) {
         }
         if (!broken && !program->brokenEdit().empty())

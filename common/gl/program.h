@@ -131,10 +131,13 @@ class ProgramCache {
     const Program& get(const ProgramFiles& files);
     /// Rebuilds what changed on disk. Returns the message of the first edit that is broken still, or nothing.
     std::optional<std::string> reloadChanged();
+    /// How many programs `reloadChanged` has rebuilt so far.
+    std::uint64_t rebuilds() const { return rebuilds_; }
     std::size_t size() const { return programs_.size(); }
 
   private:
     std::vector<std::unique_ptr<Program>> programs_;
+    std::uint64_t rebuilds_ = 0;
 };
 
 }  // namespace quincunx::gl
