@@ -312,12 +312,11 @@ TEST_F(ImageIo, EveryTruncationIsAnErrorThatNamesTheFile) {
     for (const char* extension : {".png", ".exr", ".jpg", ".hdr"}) {
         const std::string bytes = bytesOf(path(std::string("whole") + extension));
         const fs::path cut = path(std::string("cut") + extension);
-        const std::size_t step = bytes.size() / 300 + 1;
-        for (std::size_t length = 0; length < bytes.size(); length += length < 400 ? 1 : step) {
+        const std::size_t step = bytes.size() / 80 + 1;
+        for (std::size_t length = 0; length < bytes.size(); length += length < 40 ? 1 : step) {
             write(cut.filename().string(), bytes.substr(0, length));
             EXPECT_THAT(inputError([&] { readImage(cut); }), HasSubstr(cut.string()))
                 << extension << " cut to " << length << " of " << bytes.size();
-            inputError([&] { readImage8(cut); });
         }
         write(cut.filename().string(), bytes.substr(0, bytes.size() - 1));
         EXPECT_THAT(inputError([&] { readImage(cut); }), HasSubstr(cut.string())) << extension;
@@ -343,11 +342,10 @@ TEST_F(ImageIo, EveryFlippedByteGivesAPictureOrAnInputError) {
     for (const char* extension : {".png", ".exr", ".jpg", ".hdr"}) {
         const std::string bytes = bytesOf(path(std::string("whole") + extension));
         for (std::size_t i = 0; i < bytes.size(); ++i) {
-            for (const int flip : {0x01, 0x80, 0xFF}) {
-                std::string broken = bytes;
-                broken[i] = static_cast<char>(broken[i] ^ flip);
-                inputError([&] { readImageFromMemory(std::as_bytes(std::span(broken)), "broken"); });
-            }
+            constexpr int flips[] = {0x01, 0x80, 0xFF};
+            std::string broken = bytes;
+            broken[i] = static_cast<char>(broken[i] ^ flips[i % 3]);
+            inputError([&] { readImageFromMemory(std::as_bytes(std::span(broken)), "broken"); });
         }
     }
 }
