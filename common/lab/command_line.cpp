@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdio>
 #include <functional>
+#include <limits>
 #include <new>
 
 #include <CLI/CLI.hpp>
@@ -49,19 +50,40 @@ void addKnobs(CLI::App& command, KnobSet& knobs) {
     }
 }
 
+/// A number in [min, max]; InputError naming the flag otherwise, also for NaN.
+template <typename Number>
+Number parseNumber(std::string_view flag, std::string_view text, Number min, Number max) {
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || !(value >= min && value <= max))
+        throw InputError(fmt::format("\"{}\" is not a value", printable(text, 40)), flag,
+                         fmt::format("give {} … {}", min, max));
+    return value;
+}
+
+/// A flag that takes a number.
+template <typename Number, typename Target>
+CLI::Option* addNumber(CLI::App& command, const std::string& flag, Target& target, Number min, Number max,
+                       const std::string& help) {
+    return command.add_option_function<std::string>(
+        flag,
+        [flag, min, max, &target](const std::string& text) { target = parseNumber(flag, text, min, max); },
+        help);
+}
+
+constexpr std::uint64_t maxSeed = std::numeric_limits<std::uint64_t>::max();
+constexpr double maxDouble = std::numeric_limits<double>::max();
+
 void parseSize(std::string_view text, DrawOptions& options) {
     const std::size_t x = text.find('x');
-    const auto side = [&](std::string_view digits) {
-        int value = 0;
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        if (error != std::errc{} || end != digits.data() + digits.size() || value < 1 ||
-            value > maxPictureSide)
-            throw InputError(fmt::format("\"{}\" is no size", printable(text, 40)), "--size",
-                             fmt::format("give WxH in pixels, 1x1 … {0}x{0}", maxPictureSide));
-        return value;
+    const auto side = [](std::string_view digits) {
+        return parseNumber("--size", digits, 1, maxPictureSide);
     };
-    options.width = side(x == std::string_view::npos ? text : text.substr(0, x));
-    options.height = side(x == std::string_view::npos ? std::string_view("") : text.substr(x + 1));
+    if (x == std::string_view::npos)
+        throw InputError(fmt::format("\"{}\" is no size", printable(text, 40)), "--size",
+                         "give WxH in pixels");
+    options.width = side(text.substr(0, x));
+    options.height = side(text.substr(x + 1));
 }
 
 void addDrawing(CLI::App& command, DrawOptions& options, bool window) {
@@ -76,7 +98,8 @@ void addDrawing(CLI::App& command, DrawOptions& options, bool window) {
             "--size", [&options](const std::string& text) { parseSize(text, options); },
             "Size of the picture")
         ->type_name("WxH");
-    command.add_option("--seed", options.seed, "Of all random numbers")->type_name("N");
+    addNumber(command, "--seed", options.seed, std::uint64_t{0}, maxSeed, "Of all random numbers")
+        ->type_name("N");
 }
 
 /// Inserts the verb `run` where the program of a single lab is given none.
@@ -93,7 +116,7 @@ std::vector<std::string> withVerb(std::vector<std::string> words) {
 int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, const LabEntry* only) {
     CLI::App app(about, only != nullptr ? only->folder() : "quincunx");
     app.set_version_flag("--version", "quincunx " QUINCUNX_VERSION);
-    app.require_subcommand(1);
+    app.require_subcommand(0, 1);
 
     const LabEntry* mentioned = only != nullptr ? only : mentionedLab(labs, words);
     const std::unique_ptr<Lab> lab = mentioned != nullptr ? mentioned->make() : nullptr;
@@ -139,10 +162,11 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     });
 
     int question = 0;
+    constexpr int maxQuestion = 118;
     DrawOptions askOptions;
     CLI::App* askCommand =
         app.add_subcommand("ask", "Answer an exam question, with the figures that prove it");
-    askCommand->add_option("QUESTION", question, "Its number")->required();
+    addNumber(*askCommand, "QUESTION", question, 1, maxQuestion, "Its number")->required()->type_name("N");
     addDrawing(*askCommand, askOptions, false);
     askCommand->add_flag("--json", askOptions.json, "Machine-readable");
     askCommand->callback([&] { status = ask(labs, question, askOptions); });
@@ -154,19 +178,18 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     sweepCommand->add_option("--out", sweepOptions.draw.out, "Folder for CSV and SVG")
         ->type_name("FOLDER")
         ->default_str("out");
-    sweepCommand
-        ->add_option_function<double>(
-            "--budget-ms", [&](double ms) { sweepOptions.budgetSeconds = ms / 1e3; },
-            "Pick the most accurate setting within this time")
-        ->check(CLI::PositiveNumber)
+    std::optional<double> budgetMs;
+    addNumber(*sweepCommand, "--budget-ms", budgetMs, 0.0, maxDouble,
+              "Pick the most accurate setting within this time")
         ->type_name("MS");
-    sweepCommand
-        ->add_option("--max-error", sweepOptions.maxError, "Pick the fastest setting within this error")
-        ->check(CLI::NonNegativeNumber)
+    addNumber(*sweepCommand, "--max-error", sweepOptions.maxError, 0.0, maxDouble,
+              "Pick the fastest setting within this error")
         ->type_name("E");
     sweepCommand->add_flag("--json", sweepOptions.draw.json, "Machine-readable");
     sweepCommand->callback([&] {
         const LabEntry& entry = chosen();
+        if (budgetMs)
+            sweepOptions.budgetSeconds = *budgetMs / 1e3;
         status = sweep(*lab, entry, sweepOptions);
     });
 
@@ -200,7 +223,8 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
         ->type_name("rmse|psnr|ssim|flip")
         ->default_str("flip");
     compareCommand->add_option("--out", compareOptions.out, "Write the error map here")->type_name("FILE");
-    compareCommand->add_option("--max-error", compareOptions.maxError, "Exit with 1 when it is exceeded")
+    addNumber(*compareCommand, "--max-error", compareOptions.maxError, 0.0, maxDouble,
+              "Exit with 1 when it is exceeded")
         ->type_name("E");
     compareCommand->add_flag("--json", compareOptions.json, "Machine-readable");
     compareCommand->callback([&] { status = compare(compareOptions); });
@@ -208,6 +232,8 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     try {
         std::reverse(words.begin(), words.end());
         app.parse(words);
+        if (app.get_subcommands().empty())
+            throw InputError("no verb given", {}, "see --help");
     } catch (const CLI::CallForHelp&) {
         print(app.help());
     } catch (const CLI::CallForAllHelp&) {

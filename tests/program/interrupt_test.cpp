@@ -42,7 +42,8 @@ TEST_F(ProgramInterrupted, LongWorkStopsWithStatus130AndOneLine) {
     const std::vector<std::vector<std::string>> longWork = {
         {"stress", "shading", "--full"},
         {"sweep", "shading", "--backend", "osmesa"},
-        {"run", "shading", "--backend", "osmesa", "--size", "8000x8000", "--out", "picture.png"}};
+        {"run", "shading", "--backend", "osmesa", "--size", "8000x8000", "--supersample", "1", "--out",
+         "picture.png"}};
     for (const auto& words : longWork)
         for (const int signal : {SIGINT, SIGTERM}) {
             EXPECT_TRUE(failedWith(callAndStop(words, milliseconds(300), signal), 130, "interrupted"))
