@@ -28,9 +28,6 @@ void release(const Context& context);
 /// True while any context is current; objects that die without one are left to their context's end.
 bool anyCurrent();
 
-/// The program last made current by Program::use on the current context, 0 when none.
-GLuint& programInUse();
-
 std::unique_ptr<Context> createOsmesaContext();
 std::unique_ptr<Context> createEglContext();
 

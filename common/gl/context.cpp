@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "gl/backends.h"
+#include "gl/bindings.h"
 #include "gl/calls.h"
 
 namespace quincunx::gl {
@@ -18,7 +19,7 @@ void unbindWhatIsCurrent() {
     if (currentContext != nullptr)
         unbindCurrent();
     currentContext = nullptr;
-    detail::programInUse() = 0;
+    detail::forgetBindings();
 }
 
 std::string stringOf(GLenum name) {
@@ -55,11 +56,6 @@ void release(const Context& context) {
 
 bool anyCurrent() {
     return currentContext != nullptr;
-}
-
-GLuint& programInUse() {
-    static GLuint name = 0;
-    return name;
 }
 
 }  // namespace detail

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -100,22 +99,12 @@ void Executor::run(const graph::FrameGraph& graph) {
         byResource_[r] = target;
         isOutput_[r] = graph.isOutput({r});
     }
-    std::optional<bool> srgbEnabled;
+    glEnable(GL_FRAMEBUFFER_SRGB);
     for (const graph::Pass handle : plan.order) {
         const graph::PassDescription& pass = graph.pass(handle);
         RunningPass context(pass, byResource_, programs_, noAttributes_);
         try {
             framebufferFor(graph, pass).bind();
-            const auto color = std::find_if(pass.writes.begin(), pass.writes.end(), [&](auto resource) {
-                return !graph::hasDepth(graph.resource(resource).format);
-            });
-            if (color != pass.writes.end()) {
-                const bool srgb = graph.resource(*color).format == graph::Format::rgba8Srgb;
-                if (srgbEnabled != srgb) {
-                    (srgb ? glEnable : glDisable)(GL_FRAMEBUFFER_SRGB);
-                    srgbEnabled = srgb;
-                }
-            }
             if (!pass.execute)
                 throw InputError("has nothing to execute");
             pass.execute(context);

@@ -39,8 +39,9 @@ class Executor {
   public:
     /// Runs what the graph's outputs need. The outputs stay readable until the next call. Each pass finds its
     /// targets bound with undefined contents (it clears them itself), the viewport set to their size, and
-    /// GL_FRAMEBUFFER_SRGB enabled exactly when its first colour target is an sRGB format; all other state is
-    /// what the pass before left. An error in a pass is thrown with the pass' name, as the same type.
+    /// GL_FRAMEBUFFER_SRGB enabled, which encodes what is drawn into sRGB formats and leaves others alone;
+    /// all other state is what the pass before left. An error in a pass is thrown with the pass' name, as the
+    /// same type.
     void run(const graph::FrameGraph& graph);
     /// The texture that holds an output of the last run; a check fails for other resources.
     const Texture2D& output(graph::Resource resource) const;

@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "base/error.h"
 #include "gl/backends.h"
+#include "gl/bindings.h"
 #include "gl/calls.h"
 
 namespace quincunx::gl {
@@ -145,14 +146,6 @@ GLenum uploadTarget(GLenum target) {
     return target == GL_ELEMENT_ARRAY_BUFFER ? GL_COPY_WRITE_BUFFER : target;
 }
 
-/// Binds a texture to be changed or read, on a unit that no shader samples from (the last that OpenGL 3.3
-/// guarantees), so that what passes have bound stays bound.
-void bindForEditing(GLuint texture) {
-    constexpr GLenum unit = GL_TEXTURE0 + 47;
-    glActiveTexture(unit);
-    glBindTexture(GL_TEXTURE_2D, texture);
-}
-
 template <typename Channel>
 void flipRows(BasicImage<Channel>& image) {
     const auto row = static_cast<std::ptrdiff_t>(image.width) * image.channels;
@@ -166,7 +159,7 @@ template <typename Channel>
 BasicImage<Channel> download(const Texture2D& texture, int channels, GLenum format, GLenum type) {
     BasicImage<Channel> image(texture.width(), texture.height(), channels,
                               isSrgb(texture.internalFormat()) ? Encoding::srgb : Encoding::linear);
-    bindForEditing(texture.get());
+    detail::bindTextureForEditing(texture.get());
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glGetTexImage(GL_TEXTURE_2D, 0, format, type, image.data.data());
     flipRows(image);
@@ -176,12 +169,15 @@ BasicImage<Channel> download(const Texture2D& texture, int channels, GLenum form
 }  // namespace
 
 void DeleteBuffer::operator()(GLuint name) const {
+    detail::forgetBuffer(name);
     deleteQuietly([&] { glDeleteBuffers(1, &name); });
 }
 void DeleteVertexArray::operator()(GLuint name) const {
+    detail::forgetVertexArray(name);
     deleteQuietly([&] { glDeleteVertexArrays(1, &name); });
 }
 void DeleteTexture::operator()(GLuint name) const {
+    detail::forgetTexture(name);
     deleteQuietly([&] { glDeleteTextures(1, &name); });
 }
 void DeleteFramebuffer::operator()(GLuint name) const {
@@ -191,8 +187,7 @@ void DeleteRenderbuffer::operator()(GLuint name) const {
     deleteQuietly([&] { glDeleteRenderbuffers(1, &name); });
 }
 void DeleteProgram::operator()(GLuint name) const {
-    if (detail::programInUse() == name)
-        detail::programInUse() = 0;
+    detail::forgetProgram(name);
     deleteQuietly([&] { glDeleteProgram(name); });
 }
 void DeleteQuery::operator()(GLuint name) const {
@@ -221,6 +216,12 @@ void Buffer::upload(std::span<const std::byte> contents) {
     size_ = contents.size();
 }
 
+void Buffer::bindUniform(GLuint binding, std::size_t offsetBytes, std::size_t sizeBytes) const {
+    QX_CHECK_LE(offsetBytes + sizeBytes, size_);
+    detail::bindUniformBuffer(binding, get(), static_cast<GLintptr>(offsetBytes),
+                              static_cast<GLsizeiptr>(sizeBytes));
+}
+
 VertexArray::VertexArray(std::string_view label) : handle_(newName(glGenVertexArrays)) {
     bind();
     setLabel(GL_VERTEX_ARRAY, get(), label);
@@ -242,14 +243,14 @@ void VertexArray::indices(const Buffer& buffer) {
 
 void VertexArray::bind() const {
     QX_CHECK(handle_);
-    glBindVertexArray(get());
+    detail::bindVertexArray(get());
 }
 
 Texture2D::Texture2D(std::string_view label, GLenum internalFormat, int width, int height)
     : width_(width), height_(height), internalFormat_(internalFormat) {
     checkSize(label, width, height);
     handle_ = Handle<DeleteTexture>(newName(glGenTextures));
-    bindForEditing(get());
+    detail::bindTextureForEditing(get());
     const auto [format, type] = transferOf(internalFormat);
     glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internalFormat), width, height, 0, format, type,
                  nullptr);
@@ -285,7 +286,7 @@ Texture2D::Texture2D(std::string_view label, const Image8& image)
     internalFormat_ = !srgb ? linearFormats[channels - 1] : channels == 3 ? GL_SRGB8 : GL_SRGB8_ALPHA8;
 
     handle_ = Handle<DeleteTexture>(newName(glGenTextures));
-    bindForEditing(get());
+    detail::bindTextureForEditing(get());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internalFormat_), width_, height_, 0,
                  formats[channels - 1], GL_UNSIGNED_BYTE, spread ? spreadTexels.data() : image.data.data());
@@ -302,18 +303,17 @@ Texture2D::Texture2D(std::string_view label, const Image8& image)
 
 void Texture2D::bind(GLuint unit) const {
     QX_CHECK(handle_);
-    glActiveTexture(GL_TEXTURE0 + unit);
-    glBindTexture(GL_TEXTURE_2D, get());
+    detail::bindTexture(unit, get());
 }
 
 void Texture2D::setFilter(GLenum minification, GLenum magnification) {
-    bindForEditing(get());
+    detail::bindTextureForEditing(get());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(minification));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(magnification));
 }
 
 void Texture2D::setWrap(GLenum s, GLenum t) {
-    bindForEditing(get());
+    detail::bindTextureForEditing(get());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, static_cast<GLint>(s));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, static_cast<GLint>(t));
 }

@@ -74,6 +74,9 @@ class Buffer {
            GLenum usage = GL_STATIC_DRAW);
     /// Replaces the contents; the size may change.
     void upload(std::span<const std::byte> contents);
+    /// Lets the uniform blocks of `binding` read a part of the contents; the offset is a multiple of 256, the
+    /// largest alignment that OpenGL allows a driver to ask for.
+    void bindUniform(GLuint binding, std::size_t offsetBytes, std::size_t sizeBytes) const;
     GLuint get() const { return handle_.get(); }
     std::size_t size() const { return size_; }
 

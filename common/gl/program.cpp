@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <span>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "base/check.h"
 #include "base/error.h"
 #include "gl/backends.h"
+#include "gl/bindings.h"
 #include "gl/calls.h"
 #include "gl/shader_source.h"
 
@@ -230,12 +232,12 @@ void Program::adopt(Built&& built) {
     handle_ = std::move(built.handle);
     uniforms_ = std::move(built.uniforms);
     words_ = std::move(built.words);
+    sent_.clear();
 }
 
 void Program::use() const {
     QX_CHECK(handle_);
-    glUseProgram(get());
-    detail::programInUse() = get();
+    detail::useProgram(get());
 }
 
 /// Null for a uniform that the compiler found unused.
@@ -252,9 +254,22 @@ const Program::Uniform* Program::find(std::string_view name, std::string_view gi
     }
     if (!accepts(found->type))
         throw GlError(fmt::format("is {}, but was given {}", typeName(found->type), given), where());
-    if (detail::programInUse() != get())
-        use();
+    use();
     return &*found;
+}
+
+template <typename T, typename Send>
+void Program::send(const Uniform* uniform, const T& value, Send&& call) const {
+    if (uniform == nullptr)
+        return;
+    UniformValue now{};
+    static_assert(sizeof(T) <= sizeof(now));
+    std::memcpy(now.data(), &value, sizeof(T));
+    const auto known = sent_.find(uniform->location);
+    if (known != sent_.end() && known->second == now)
+        return;
+    call();
+    sent_.insert_or_assign(uniform->location, now);
 }
 
 void Program::set(std::string_view name, int value) const {
@@ -263,42 +278,42 @@ void Program::set(std::string_view name, int value) const {
                isSampler(type);
     };
     const Uniform* uniform = find(name, value < 0 ? "a negative int" : "int", accepts);
-    if (uniform == nullptr)
-        return;
-    if (uniform->type == GL_UNSIGNED_INT)
-        glUniform1ui(uniform->location, static_cast<GLuint>(value));
-    else
-        glUniform1i(uniform->location, value);
+    send(uniform, value, [&] {
+        if (uniform->type == GL_UNSIGNED_INT)
+            glUniform1ui(uniform->location, static_cast<GLuint>(value));
+        else
+            glUniform1i(uniform->location, value);
+    });
 }
 
 void Program::set(std::string_view name, float value) const {
-    if (const auto* uniform = find(name, "float", [](GLenum type) { return type == GL_FLOAT; }))
-        glUniform1f(uniform->location, value);
+    const Uniform* uniform = find(name, "float", [](GLenum type) { return type == GL_FLOAT; });
+    send(uniform, value, [&] { glUniform1f(uniform->location, value); });
 }
 
 void Program::set(std::string_view name, const glm::vec2& value) const {
-    if (const auto* uniform = find(name, "vec2", [](GLenum type) { return type == GL_FLOAT_VEC2; }))
-        glUniform2f(uniform->location, value.x, value.y);
+    const Uniform* uniform = find(name, "vec2", [](GLenum type) { return type == GL_FLOAT_VEC2; });
+    send(uniform, value, [&] { glUniform2f(uniform->location, value.x, value.y); });
 }
 
 void Program::set(std::string_view name, const glm::vec3& value) const {
-    if (const auto* uniform = find(name, "vec3", [](GLenum type) { return type == GL_FLOAT_VEC3; }))
-        glUniform3f(uniform->location, value.x, value.y, value.z);
+    const Uniform* uniform = find(name, "vec3", [](GLenum type) { return type == GL_FLOAT_VEC3; });
+    send(uniform, value, [&] { glUniform3f(uniform->location, value.x, value.y, value.z); });
 }
 
 void Program::set(std::string_view name, const glm::vec4& value) const {
-    if (const auto* uniform = find(name, "vec4", [](GLenum type) { return type == GL_FLOAT_VEC4; }))
-        glUniform4f(uniform->location, value.x, value.y, value.z, value.w);
+    const Uniform* uniform = find(name, "vec4", [](GLenum type) { return type == GL_FLOAT_VEC4; });
+    send(uniform, value, [&] { glUniform4f(uniform->location, value.x, value.y, value.z, value.w); });
 }
 
 void Program::set(std::string_view name, const glm::mat3& value) const {
-    if (const auto* uniform = find(name, "mat3", [](GLenum type) { return type == GL_FLOAT_MAT3; }))
-        glUniformMatrix3fv(uniform->location, 1, GL_FALSE, glm::value_ptr(value));
+    const Uniform* uniform = find(name, "mat3", [](GLenum type) { return type == GL_FLOAT_MAT3; });
+    send(uniform, value, [&] { glUniformMatrix3fv(uniform->location, 1, GL_FALSE, glm::value_ptr(value)); });
 }
 
 void Program::set(std::string_view name, const glm::mat4& value) const {
-    if (const auto* uniform = find(name, "mat4", [](GLenum type) { return type == GL_FLOAT_MAT4; }))
-        glUniformMatrix4fv(uniform->location, 1, GL_FALSE, glm::value_ptr(value));
+    const Uniform* uniform = find(name, "mat4", [](GLenum type) { return type == GL_FLOAT_MAT4; });
+    send(uniform, value, [&] { glUniformMatrix4fv(uniform->location, 1, GL_FALSE, glm::value_ptr(value)); });
 }
 
 bool Program::has(std::string_view name) const {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -81,7 +84,7 @@ class Program {
     explicit Program(ProgramFiles files);
 
     void use() const;
-    /// Sets a uniform, making this the program in use if it is not.
+    /// Sets a uniform, making this the program in use if it is not. What it has already costs no call.
     void set(std::string_view name, int value) const;
     void set(std::string_view name, float value) const;
     void set(std::string_view name, const glm::vec2& value) const;
@@ -106,6 +109,7 @@ class Program {
         GLint location = -1;
         GLenum type = 0;
     };
+    using UniformValue = std::array<std::byte, sizeof(glm::mat4)>;
     struct Built {
         Handle<DeleteProgram> handle;
         std::vector<Uniform> uniforms;
@@ -115,11 +119,14 @@ class Program {
     void adopt(Built&& built);
     template <typename Accepts>
     const Uniform* find(std::string_view name, std::string_view given, Accepts&& accepts) const;
+    template <typename T, typename Send>
+    void send(const Uniform* uniform, const T& value, Send&& call) const;
 
     ProgramFiles files_;
-    std::vector<FileStamp> sources_;  ///< of the last attempt to build
-    std::vector<Uniform> uniforms_;   ///< sorted by name
-    std::vector<std::string> words_;  ///< identifiers of the sources, sorted
+    std::vector<FileStamp> sources_;              ///< of the last attempt to build
+    std::vector<Uniform> uniforms_;               ///< sorted by name
+    std::vector<std::string> words_;              ///< identifiers of the sources, sorted
+    mutable std::map<GLint, UniformValue> sent_;  ///< by location: what the program has
     std::string brokenEdit_;
     Handle<DeleteProgram> handle_;
 };

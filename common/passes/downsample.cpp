@@ -19,8 +19,11 @@ graph::Pass addDownsamplePass(graph::FrameGraph& graph, graph::Resource fine, gr
                                                           .vertex = "passes/fullscreen.vert",
                                                           .fragment = "passes/downsample.frag"});
                               program.use();
+                              // Not the unit of the materials, so that both stay bound from frame to frame.
+                              constexpr int unit = 1;
+                              program.set("fine", unit);
                               program.set("factor", params.factor);
-                              context.texture(fine).bind(0);
+                              context.texture(fine).bind(unit);
                               context.drawFullscreen();
                           }});
 }

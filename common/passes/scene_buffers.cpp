@@ -190,6 +190,7 @@ SceneBuffers::SceneBuffers(const Scene& scene, Layout layout)
     Image8 white(1, 1, 4, Encoding::linear);
     std::fill(white.data.begin(), white.data.end(), std::uint8_t{255});
     textures_.emplace_back("white", white);
+    textures_.back().setFilter(GL_NEAREST, GL_NEAREST);
 
     for (const Instance& instance : scene.instances) {
         const Range& range = ranges[instance.mesh];
@@ -216,22 +217,17 @@ void SceneBuffers::update(const FrameBlock& frame, const std::vector<ObjectBlock
 }
 
 void SceneBuffers::bindFrame() const {
-    glBindBufferBase(GL_UNIFORM_BUFFER, frameBinding, frameBuffer_.get());
+    frameBuffer_.bindUniform(frameBinding, 0, sizeof(FrameBlock));
 }
 
 void SceneBuffers::bindVertices() const {
     vertexArray_.bind();
-    boundTexture_ = nullptr;
 }
 
 void SceneBuffers::draw(std::size_t instance) const {
     const Draw& draw = draws_[instance];
-    if (draw.texture != boundTexture_) {
-        draw.texture->bind(0);
-        boundTexture_ = draw.texture;
-    }
-    glBindBufferRange(GL_UNIFORM_BUFFER, objectBinding, objectBuffer_.get(),
-                      static_cast<GLintptr>(instance * sizeof(ObjectBlock)), sizeof(ObjectBlock));
+    draw.texture->bind(0);
+    objectBuffer_.bindUniform(objectBinding, instance * sizeof(ObjectBlock), sizeof(ObjectBlock));
     if (indexed_)
         glDrawElementsBaseVertex(GL_TRIANGLES, draw.indexCount, GL_UNSIGNED_INT,
                                  reinterpret_cast<const void*>(draw.firstIndexByte), draw.baseVertex);

@@ -105,7 +105,6 @@ class SceneBuffers {
     std::uint64_t vertexCount_ = 0;
     std::uint64_t triangleCount_ = 0;
     bool indexed_ = true;
-    mutable const gl::Texture2D* boundTexture_ = nullptr;
 };
 
 }  // namespace quincunx

@@ -110,7 +110,7 @@ TEST_P(ExecutorTest, AFrameOfOnePassNeedsThreeCallsBesidesItsOwn) {
     executor.run(graph);
     EXPECT_THAT(recorder.calls(),
                 UnorderedElementsAre(Pair("glBindFramebuffer", 1u), Pair("glViewport", 1u),
-                                     Pair("glDisable", 1u), Pair("glClearColor", 1u), Pair("glClear", 1u)));
+                                     Pair("glEnable", 1u), Pair("glClearColor", 1u), Pair("glClear", 1u)));
 }
 
 TEST_P(ExecutorTest, DroppedPassesCostNothing) {

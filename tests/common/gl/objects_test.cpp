@@ -100,6 +100,69 @@ TEST_P(ObjectsTest, DieWithTheirOwnersWithoutErrors) {
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
+TEST_P(ObjectsTest, BindingWhatIsBoundCostsNoCall) {
+    const Texture2D first("first", GL_RGBA8, 2, 2);
+    const Texture2D second("second", GL_RGBA8, 2, 2);
+    const VertexArray vertices("vertices");
+    const std::vector<std::byte> zeros(512);
+    const Buffer blocks("blocks", GL_UNIFORM_BUFFER, zeros);
+    const auto bindAll = [&] {
+        first.bind(0);
+        second.bind(1);
+        first.bind(0);
+        vertices.bind();
+        blocks.bindUniform(3, 256, 256);
+    };
+    bindAll();
+    const std::uint64_t before = callCount();
+    first.bind(0);
+    vertices.bind();
+    blocks.bindUniform(3, 256, 256);
+    EXPECT_EQ(callCount(), before);
+    blocks.bindUniform(3, 0, 256);
+    blocks.bindUniform(2, 0, 256);
+    EXPECT_EQ(callCount(), before + 2) << "another part, another binding";
+}
+
+TEST_P(ObjectsTest, ANameThatComesBackIsBoundAgain) {
+    const auto boundTo = [](GLenum binding) {
+        GLint name = 0;
+        glGetIntegerv(binding, &name);
+        return static_cast<GLuint>(name);
+    };
+    const std::vector<std::byte> zeros(256);
+    for (int i = 0; i < 3; ++i) {
+        const Texture2D texture("texture", GL_RGBA8, 2, 2);
+        const VertexArray vertices("vertices");
+        const Buffer blocks("blocks", GL_UNIFORM_BUFFER, zeros);
+        texture.bind(0);
+        vertices.bind();
+        blocks.bindUniform(3, 0, 256);
+        GLint uniformBuffer = 0;
+        glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, 3, &uniformBuffer);
+        EXPECT_EQ(boundTo(GL_TEXTURE_BINDING_2D), texture.get());
+        EXPECT_EQ(boundTo(GL_VERTEX_ARRAY_BINDING), vertices.get());
+        EXPECT_EQ(static_cast<GLuint>(uniformBuffer), blocks.get());
+    }
+}
+
+TEST_P(ObjectsTest, AnotherContextHasItsOwnBindings) {
+    const Texture2D texture("texture", GL_RGBA8, 2, 2);
+    texture.bind(0);
+    {
+        const std::unique_ptr<Context> other = createOffscreenContext(GetParam());
+        const Texture2D theirs("texture", GL_RGBA8, 2, 2);
+        theirs.bind(0);
+        GLint name = 0;
+        glGetIntegerv(GL_TEXTURE_BINDING_2D, &name);
+        EXPECT_EQ(static_cast<GLuint>(name), theirs.get());
+    }
+    context_->makeCurrent();
+    const std::uint64_t before = callCount();
+    texture.bind(0);
+    EXPECT_GT(callCount(), before) << "what is bound is not known after another context";
+}
+
 TEST_P(ObjectsTest, AreMovedNotCopied) {
     Buffer first("b", GL_ARRAY_BUFFER, std::as_bytes(std::span("abc")));
     const GLuint name = first.get();

@@ -162,11 +162,26 @@ TEST_P(ProgramTest, SettingAUniformCostsOneCallWhenInUse) {
     first.use();
     const std::uint64_t before = callCount();
     for (int i = 0; i < 10; ++i)
-        first.set("tint", glm::vec4(1));
+        first.set("tint", glm::vec4(static_cast<float>(i) - 8));
     EXPECT_EQ(callCount() - before, 10u);
     second.set("tint", glm::vec4(2));
     EXPECT_THAT(drawn(first), ElementsAre(1, 1, 1, 1)) << "the second program's uniform is its own";
     EXPECT_THAT(drawn(second), ElementsAre(2, 2, 2, 2));
+}
+
+TEST_P(ProgramTest, SettingAUniformToWhatItHasCostsNoCall) {
+    writeFragment("uniform float weights[2];\nvoid main() { color = vec4(weights[0], weights[1], 0, 0); }\n");
+    const Program program(probeFiles);
+    program.set("weights", 3.0f);
+    program.set("weights[1]", 4.0f);
+    const std::uint64_t before = callCount();
+    program.set("weights[0]", 3.0f);
+    program.set("weights[1]", 4.0f);
+    EXPECT_EQ(callCount(), before) << "an array and its first element are one uniform";
+    program.set("weights[0]", 5.0f);
+    program.set("weights", 3.0f);
+    EXPECT_EQ(callCount(), before + 2);
+    EXPECT_THAT(drawn(program), ElementsAre(3, 4, 0, 0));
 }
 
 TEST_P(ProgramTest, ReloadsWhatChanged) {
