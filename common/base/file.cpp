@@ -44,20 +44,27 @@ std::string readFile(const fs::path& file, std::uintmax_t maxBytes) {
     return contents;
 }
 
-void writeAtomically(const fs::path& file, const std::function<void(const fs::path&)>& write) {
+void requireFolder(const fs::path& folder) {
     std::error_code error;
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     fs::create_directories(folder, error);
     if (error)
         throw InputError(fmt::format("cannot make the folder: {}", error.message()), folder.string(),
                          "choose another place with --out");
+    if (!fs::is_directory(folder, error))
+        throw InputError("is no folder", folder.string(), "choose another place with --out");
+    if (access(folder.c_str(), W_OK) != 0)
+        throw InputError(fmt::format("the folder cannot be written: {}", std::strerror(errno)),
+                         folder.string(), "choose another place with --out");
+}
+
+void writeAtomically(const fs::path& file, const std::function<void(const fs::path&)>& write) {
+    std::error_code error;
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    requireFolder(folder);
     if (const fs::file_status status = fs::status(file, error);
         fs::exists(status) && !fs::is_regular_file(status))
         throw InputError(fs::is_directory(status) ? "is a folder" : "is no regular file", file.string(),
                          "name another file");
-    if (access(folder.c_str(), W_OK) != 0)
-        throw InputError(fmt::format("the folder cannot be written: {}", std::strerror(errno)),
-                         folder.string(), "choose another place with --out");
     const fs::path temporary =
         folder / fmt::format(".{}.{}{}", file.stem().string(), getpid(), file.extension().string());
     try {

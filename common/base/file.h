@@ -14,6 +14,10 @@ namespace quincunx {
 /// unreadable, or larger than `maxBytes`.
 std::string readFile(const std::filesystem::path& file, std::uintmax_t maxBytes);
 
+/// Makes the folder, and those it is in, if need be. Throws InputError if that fails or it cannot be written;
+/// called before long work whose results go there.
+void requireFolder(const std::filesystem::path& folder);
+
 /// Calls `write` with the name of a new file in the same folder, then renames that to `file`: readers see
 /// the old contents or the new, never a part. On any exception, or when interrupted, the new file is removed.
 /// The temporary name keeps the extension of `file`. Throws InputError if the folder cannot be written, or if

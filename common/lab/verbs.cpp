@@ -256,13 +256,20 @@ ExitStatus ask(std::span<const LabEntry> labs, int number, const DrawOptions& op
 
 ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
     const std::filesystem::path folder = options.draw.out.empty() ? "out" : options.draw.out;
+    const std::vector<Sweep> sweeps = lab.sweeps();
+    std::vector<std::string> names;
+    for (const Sweep& sweep : sweeps)
+        names.push_back(sweep.name);
+    if (!options.only.empty() && std::find(names.begin(), names.end(), options.only) == names.end())
+        throw InputError(fmt::format("there is no sweep \"{}\"", printable(options.only, 40)), "--sweep",
+                         fmt::format("choose from {}", fmt::join(names, ", ")));
+    requireFolder(folder);
+
     Studio studio(options.draw.backend);
     Json array = Json::array();
     std::string text;
     bool chosen = true;
-    std::vector<std::string> names;
-    for (const Sweep& sweep : lab.sweeps()) {
-        names.push_back(sweep.name);
+    for (const Sweep& sweep : sweeps) {
         if (!options.only.empty() && sweep.name != options.only)
             continue;
         const SweepResult result = runSweep(lab, entry, sweep, studio);
@@ -302,9 +309,6 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
         }
         text += fmt::format("{0}/{1}.csv\n{0}/{1}.svg\n\n", folder.string(), stem);
     }
-    if (array.empty())
-        throw InputError(fmt::format("there is no sweep \"{}\"", printable(options.only, 40)), "--sweep",
-                         fmt::format("choose from {}", fmt::join(names, ", ")));
     print(options.draw.json ? dump(array) : text);
     return chosen ? ExitStatus::ok : ExitStatus::checkFellShort;
 }

@@ -202,9 +202,6 @@ TEST_F(ProgramFiles, OnADiskThatFillsUpNothingIsLeft) {
             2, place));
         EXPECT_THAT(leftBehind(), testing::IsEmpty());
     }
-    EXPECT_TRUE(
-        failedWith(callInShell(full, drawingSmall({"sweep", "shading", "--out", "here"})), 2, "here"));
-    EXPECT_THAT(leftBehind(), testing::IsSubsetOf({"here"}));
 }
 
 TEST_F(ProgramFiles, AFailedRunKeepsTheOldPicture) {

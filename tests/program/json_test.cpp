@@ -62,7 +62,7 @@ TEST_F(ProgramJson, OfAskHoldsQuestionAnswerAndMeasurements) {
 }
 
 TEST_F(ProgramJson, OfSweepHoldsPointsWithErrorTimeAndFront) {
-    const json sweeps = answer({"sweep", "shading", "--backend", "osmesa", "--size", "64x48"});
+    const json sweeps = answer({"sweep", "shading", "--sweep", "tessellation", "--backend", "osmesa"});
     ASSERT_TRUE(sweeps.is_array());
     ASSERT_FALSE(sweeps.empty());
     for (const json& sweep : sweeps) {
