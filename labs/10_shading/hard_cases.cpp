@@ -1,5 +1,6 @@
-#include "labs/10_shading/lab.h"
 #include "math/hard_cases.h"
+
+#include "labs/10_shading/lab.h"
 
 namespace quincunx {
 

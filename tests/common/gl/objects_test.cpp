@@ -46,7 +46,8 @@ double linearFromSrgb(double encoded) {
 }
 
 /// Half the distance in light from an 8-bit sRGB code to the one below: an sRGB decoder off by more could be
-/// taken for another code. llvmpipe decodes by a polynomial: measured is at most 0.35 steps (0.0012 of light).
+/// taken for another code. llvmpipe decodes by a polynomial: measured is at most 0.35 steps (0.0012 of
+/// light).
 double halfStep(int code) {
     const int above = std::max(code, 1);
     return (linearFromSrgb(above / 255.0) - linearFromSrgb((above - 1) / 255.0)) / 2;

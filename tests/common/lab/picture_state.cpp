@@ -57,8 +57,8 @@ TEST(PictureState, RefusesWhatMakesNoSenseInOneLineThatNamesTheFile) {
     for (const std::string& text :
          {with("\"width\": 31", "\"width\": 0"), with("\"width\": 31", "\"width\": 99999999"),
           with("\"width\": 31", "\"width\": \"31\""), with("\"seed\"", "\"sead\": -1, \"seed\""),
-          with("\"fov_y_radians\": ", "\"fov_y_radians\": 4"),
-          with("\"near\"", "\"far\": 1e-9, \"near\""), std::string("[]"), std::string(5000, '[')})
+          with("\"fov_y_radians\": ", "\"fov_y_radians\": 4"), with("\"near\"", "\"far\": 1e-9, \"near\""),
+          std::string("[]"), std::string(5000, '[')})
         try {
             const PictureState state = parsePictureState(text, "bad.json");
             EXPECT_TRUE(text.find("sead") != std::string::npos) << text;
