@@ -44,7 +44,7 @@ std::string errorName(GLenum error) {
     std::string what = error == GL_NO_ERROR ? "" : errorName(error);
     if (!message.empty())
         what += (what.empty() ? "" : ": ") + printable(message, 1000);
-    throw GlError(what, name);
+    throw GlError(what, name, error == GL_OUT_OF_MEMORY ? "use a smaller picture or model" : "");
 }
 
 void beforeCall(const char* name, GLADapiproc function, int /*argumentCount*/, ...) {

@@ -4,6 +4,7 @@
 
 #include "base/check.h"
 #include "base/interrupt.h"
+#include "scene/import.h"
 
 namespace quincunx {
 
@@ -79,7 +80,8 @@ Frame Studio::frame(const Lab& lab, int width, int height) const {
     Frame frame;
     frame.width = width;
     frame.height = height;
-    frame.camera = lab.defaultCamera();
+    frame.camera =
+        fittedToAspect(lab.defaultCamera(), static_cast<float>(width) / static_cast<float>(height));
     return frame;
 }
 

@@ -32,6 +32,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr int defaultWidth = 640;
 constexpr int defaultHeight = 480;
+constexpr int defaultWindowWidth = 960;
+constexpr int defaultWindowHeight = 720;
 
 std::string dump(const Json& json) {
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -44,11 +46,12 @@ Json toJson(const KnobValues& knobs) {
     return json;
 }
 
-Frame makeFrame(const Lab& lab, const DrawOptions& options) {
+Frame makeFrame(const Lab& lab, const DrawOptions& options, bool window) {
     Frame frame;
-    frame.width = options.width.value_or(defaultWidth);
-    frame.height = options.height.value_or(defaultHeight);
-    frame.camera = lab.defaultCamera();
+    frame.width = options.width.value_or(window ? defaultWindowWidth : defaultWidth);
+    frame.height = options.height.value_or(window ? defaultWindowHeight : defaultHeight);
+    frame.camera = fittedToAspect(lab.defaultCamera(),
+                                  static_cast<float>(frame.width) / static_cast<float>(frame.height));
     frame.seed = options.seed.value_or(frame.seed);
     return frame;
 }
@@ -138,6 +141,8 @@ void list(std::span<const LabEntry> labs, bool json) {
 
 void run(Lab& lab, const LabEntry& entry, RunOptions options) {
     DrawOptions& draw = options.draw;
+    const bool window = draw.backend == gl::Backend::window || (draw.backend == gl::Backend::automatic &&
+                                                                draw.out.empty() && gl::displayAvailable());
     PictureState state;
     if (!options.replay.empty()) {
         state = readPictureState(options.replay);
@@ -153,14 +158,12 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
         state.frame.seed = draw.seed.value_or(state.frame.seed);
     } else {
         loadModel(lab, draw.model);
-        state.frame = makeFrame(lab, draw);
+        state.frame = makeFrame(lab, draw, window);
     }
     state.lab = entry.folder();
     state.model = draw.model;
     state.knobs = lab.knobs().values();
 
-    const bool window = draw.backend == gl::Backend::window || (draw.backend == gl::Backend::automatic &&
-                                                                draw.out.empty() && gl::displayAvailable());
     if (window) {
         runWindow(lab, entry, state, {.pictureFolder = "out", .record = options.record});
         return;

@@ -76,6 +76,14 @@ Camera frameBounds(const Bounds& bounds, float aspect) {
     return camera;
 }
 
+Camera fittedToAspect(Camera camera, float aspect, float composedAspect) {
+    if (aspect < composedAspect) {
+        const double halfHeight = std::tan(camera.fovYRadians / 2.0) * composedAspect / aspect;
+        camera.fovYRadians = static_cast<float>(2 * std::atan(halfHeight));
+    }
+    return camera;
+}
+
 std::vector<Light> studioLights() {
     return {directional("key", -20 * degrees, 45 * degrees, {1.0f, 0.96f, 0.9f}, 0.85f),
             directional("fill", 85 * degrees, 15 * degrees, {0.85f, 0.92f, 1.0f}, 0.25f),
