@@ -32,11 +32,33 @@ std::string dataWord(std::string_view text) {
     return result + "\"";
 }
 
-std::string labelOf(const SweepPoint& point) {
+/// True if every point has the same value of its knob number `index`.
+bool isConstant(const SweepResult& result, std::size_t index) {
+    return std::all_of(result.points.begin(), result.points.end(), [&](const SweepPoint& point) {
+        return point.knobs[index] == result.points.front().knobs[index];
+    });
+}
+
+/// The values of the knobs that vary, but for the first, whose value is the colour.
+std::string labelOf(const SweepResult& result, const SweepPoint& point) {
     std::vector<std::string> values;
     for (std::size_t i = 1; i < point.knobs.size(); ++i)
-        values.push_back(point.knobs[i].second);
+        if (!isConstant(result, i))
+            values.push_back(point.knobs[i].second);
     return fmt::format("{}", fmt::join(values, " "));
+}
+
+/// What the labels' numbers are, and the knobs that stay the same.
+std::string legend(const SweepResult& result) {
+    std::vector<std::string> varying;
+    std::vector<std::string> constant;
+    const KnobValues& knobs = result.points.front().knobs;
+    for (std::size_t i = 1; i < knobs.size(); ++i)
+        if (isConstant(result, i))
+            constant.push_back(fmt::format("{}={}", knobs[i].first, knobs[i].second));
+        else
+            varying.push_back(knobs[i].first);
+    return fmt::format("at the points: {}; {}", fmt::join(varying, ", "), fmt::join(constant, ", "));
 }
 
 /// Zero errors have no place on a logarithmic axis: they are drawn a decade below the smallest other one.
@@ -58,7 +80,7 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
 
     const auto row = [&](const SweepPoint& point) {
         return fmt::format("{:.9g} {:.9g} {}\n", point.sample.seconds * 1e3,
-                           std::max(point.sample.error, floor), dataWord(labelOf(point)));
+                           std::max(point.sample.error, floor), dataWord(labelOf(result, point)));
     };
     std::string text = "set encoding utf8\n";
     std::vector<std::string> plots;
@@ -88,6 +110,14 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
             "$series{} using 1:2:3 with labels left offset 0.6,0.5 font ',10' tc rgb '{}' notitle", i,
             colour));
     }
+    std::pair<double, double> times{std::numeric_limits<double>::infinity(), 0};
+    std::pair<double, double> errors = times;
+    for (const SweepPoint& point : result.points) {
+        const double milliseconds = point.sample.seconds * 1e3;
+        const double error = std::max(point.sample.error, floor);
+        times = {std::min(times.first, milliseconds), std::max(times.second, milliseconds)};
+        errors = {std::min(errors.first, error), std::max(errors.second, error)};
+    }
     const std::string unit = result.errorUnit.empty() ? "" : fmt::format(" ({})", result.errorUnit);
     text += fmt::format(
         "set terminal svg size 960,640 dynamic noenhanced font 'DejaVu Sans,13' background '#ffffff'\n"
@@ -96,14 +126,16 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
         "set xlabel 'time of a frame (ms)'\n"
         "set ylabel {}\n"
         "set label {} at screen 0.99,0.015 right font ',9' tc rgb '#666666'\n"
+        "set label {} at screen 0.01,0.015 left font ',9' tc rgb '#666666'\n"
         "set logscale xy\nset format x '%g'\nset format y '%g'\n"
+        "set xrange [{:g}:{:g}]\nset yrange [{:g}:{:g}]\n"
         "set grid lc rgb '#dddddd'\nset border 3 lc rgb '#444444'\nset tics nomirror\n"
-        "set offsets graph 0.02, graph 0.08, graph 0.06, graph 0.02\n"
         "set key top right title {} font ',11'\nset bmargin 4.5\n"
         "plot {}\n",
         gnuplotString(output.string()), gnuplotString(fmt::format("{}: {}", result.lab, result.title)),
         gnuplotString(fmt::format("{}{} against {}", result.metric, unit, result.reference)),
-        gnuplotString(fmt::format("measured on {}", result.renderer)),
+        gnuplotString(fmt::format("measured on {}", result.renderer)), gnuplotString(legend(result)),
+        times.first / 1.5, times.second * 2.2, errors.first / 1.6, errors.second * 2.0,
         gnuplotString(result.points.front().knobs.front().first), fmt::join(plots, ", \\\n"));
     return text;
 }

@@ -76,9 +76,9 @@ Camera frameBounds(const Bounds& bounds, float aspect) {
     return camera;
 }
 
-Camera fittedToAspect(Camera camera, float aspect, float composedAspect) {
-    if (aspect < composedAspect) {
-        const double halfHeight = std::tan(camera.fovYRadians / 2.0) * composedAspect / aspect;
+Camera fittedToAspect(Camera camera, float aspect, float composed) {
+    if (aspect < composed) {
+        const double halfHeight = std::tan(camera.fovYRadians / 2.0) * composed / aspect;
         camera.fovYRadians = static_cast<float>(2 * std::atan(halfHeight));
     }
     return camera;

@@ -24,9 +24,12 @@ ImportedScene importScene(const std::filesystem::path& file);
 /// A camera that sees all of `bounds` from a little above, for a picture of the given shape.
 Camera frameBounds(const Bounds& bounds, float aspect);
 
-/// `camera` with its angle widened, where the picture is narrower than `composedAspect`, so that it still
+/// Width over height of the pictures that cameras are composed for.
+inline constexpr float composedAspect = 4.0f / 3.0f;
+
+/// `camera` with its angle widened, where the picture is narrower than `composed`, so that it still
 /// sees all of the width that it was composed for. Wider pictures show more at the sides.
-Camera fittedToAspect(Camera camera, float aspect, float composedAspect = 4.0f / 3.0f);
+Camera fittedToAspect(Camera camera, float aspect, float composed = composedAspect);
 
 /// Key, fill and rim light for scenes without lights of their own, scaled to nothing but direction.
 std::vector<Light> studioLights();

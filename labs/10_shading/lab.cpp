@@ -1,5 +1,6 @@
 #include "labs/10_shading/lab.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -11,6 +12,19 @@
 #include "scene/import.h"
 
 namespace quincunx {
+
+namespace {
+
+/// A white line between two pictures.
+void fillColumn(int left, int width, int height) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(left, 0, width, height);
+    glClearColor(1, 1, 1, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glDisable(GL_SCISSOR_TEST);
+}
+
+}  // namespace
 
 ShadingLab::ShadingLab() : stillLife_(makeStillLife()) {}
 
@@ -24,10 +38,9 @@ void ShadingLab::useScene(Scene scene) {
 }
 
 Camera ShadingLab::defaultCamera() const {
-    constexpr float aspect = 4.0f / 3.0f;
     if (builtIn_)
         return stillLife_.camera;
-    return scene_.cameras.empty() ? frameBounds(scene_.bounds(), aspect) : scene_.cameras.front();
+    return scene_.cameras.empty() ? frameBounds(scene_.bounds(), composedAspect) : scene_.cameras.front();
 }
 
 Bounds ShadingLab::sceneBounds() const {
@@ -118,41 +131,40 @@ graph::Resource ShadingLab::build(graph::FrameGraph& graph, const Frame& frame) 
 }
 
 void ShadingLab::drawScene(graph::PassContext& context, const Frame& frame, int factor) {
-    const float aspect = static_cast<float>(frame.width) / static_cast<float>(frame.height);
-    const FrameBlock frameBlock = makeFrameBlock(scene_, turnedLights(), frame.camera, aspect);
     const std::vector<ObjectBlock> objects = objectBlocks();
-
     ShadingPassParams params;
     params.blinnPhong = model().reflection == PhongModel::Reflection::blinnPhong;
     for (std::size_t i = 0; i < objects.size(); ++i) {
         params.doubleSided.push_back(scene_.materials[scene_.instances[i].material].doubleSided);
         params.mirrored.push_back(glm::determinant(glm::mat3(objects[i].worldFromModel)) < 0);
     }
-    const auto draw = [&](ShadingModel one) {
+    const auto draw = [&](ShadingModel one, const Camera& camera, float aspect) {
         params.shading = one;
         SceneBuffers& buffers = *buffersFor(one);
-        buffers.update(frameBlock, objects);
+        buffers.update(makeFrameBlock(scene_, turnedLights(), camera, aspect), objects);
         drawShaded(context, buffers, params);
     };
 
     glClear(GL_DEPTH_BUFFER_BIT);
+    const float aspect = static_cast<float>(frame.width) / static_cast<float>(frame.height);
     const Shading mode = shading.as<Shading>();
     if (mode != Shading::compare) {
-        draw(static_cast<ShadingModel>(mode));
+        draw(static_cast<ShadingModel>(mode), frame.camera, aspect);
         return;
     }
     const int width = frame.width * factor;
     const int height = frame.height * factor;
     for (int i = 0; i < 3; ++i) {
         const int left = width * i / 3;
-        withScissor({left, 0, width * (i + 1) / 3 - left, height},
-                    [&] { draw(static_cast<ShadingModel>(i)); });
+        const int columnWidth = std::max(width * (i + 1) / 3 - left, 1);
+        const float columnAspect = static_cast<float>(columnWidth) / static_cast<float>(height);
+        glViewport(left, 0, columnWidth, height);
+        draw(static_cast<ShadingModel>(i),
+             fittedToAspect(frame.camera, columnAspect, std::min(aspect, composedAspect)), columnAspect);
         if (i > 0)
-            withScissor({left - factor, 0, 2 * factor, height}, [] {
-                glClearColor(1, 1, 1, 1);
-                glClear(GL_COLOR_BUFFER_BIT);
-            });
+            fillColumn(left - factor, 2 * factor, height);
     }
+    glViewport(0, 0, width, height);
 }
 
 Lab::ReferenceJob ShadingLab::reference(const Frame& frame) const {

@@ -10,14 +10,6 @@ namespace quincunx {
 /// Where the light is evaluated: once a triangle, once a vertex, once a fragment.
 enum class ShadingModel { flat, gouraud, phong };
 
-/// Pixels of the bound target, from its bottom left.
-struct PixelRect {
-    int x = 0;
-    int y = 0;
-    int width = 0;
-    int height = 0;
-};
-
 struct ShadingPassParams {
     ShadingModel shading = ShadingModel::phong;
     bool blinnPhong = true;         ///< else Phong's mirrored light
@@ -31,14 +23,5 @@ SceneBuffers::Layout layoutFor(ShadingModel shading);
 /// Draws the background and every instance of `buffers`, whose blocks are up to date, into the bound target,
 /// whose depth is clear. Culls the backs of what is not double-sided. Leaves depth test and culling off.
 void drawShaded(graph::PassContext& context, const SceneBuffers& buffers, const ShadingPassParams& params);
-
-/// Runs `draw` on a part of the target only.
-template <typename Draw>
-void withScissor(const PixelRect& rect, Draw&& draw) {
-    glEnable(GL_SCISSOR_TEST);
-    glScissor(rect.x, rect.y, rect.width, rect.height);
-    draw();
-    glDisable(GL_SCISSOR_TEST);
-}
 
 }  // namespace quincunx

@@ -231,19 +231,23 @@ TEST_P(Shading10, ScaleOfTheWholeSceneDoesNotShow) {
 
 TEST_P(Shading10, CompareShowsTheThreeModelsSideBySide) {
     lab_.tessellation.set(16);
-    const Size size{120, 60};
-    std::vector<Image> pictures;
-    for (int model = 0; model < 4; ++model) {
+    lab_.shading.parse("compare");
+    const Image compared = studio_.linearPicture(lab_, frame({360, 90}));
+    for (int model = 0; model < 3; ++model) {
         lab_.shading.set(model);
-        pictures.push_back(studio_.linearPicture(lab_, frame(size)));
+        const Image alone = studio_.linearPicture(lab_, frame({120, 90}));
+        Image column(116, 90, 4, Encoding::linear);
+        Image inner = column;
+        for (int y = 0; y < 90; ++y)
+            for (int x = 0; x < 116; ++x)
+                for (int c = 0; c < 4; ++c) {
+                    column.pixel(x, y)[c] = compared.pixel(model * 120 + x + 2, y)[c];
+                    inner.pixel(x, y)[c] = alone.pixel(x + 2, y)[c];
+                }
+        // Equal but for what the rounding of window coordinates moves at outlines; another model is 0.02
+        // away.
+        EXPECT_LE(rmse(inner, column), 0.004) << model;
     }
-    for (int y = 0; y < size.height; ++y)
-        for (int x = 0; x < size.width; ++x) {
-            const bool seam = std::abs(x - 40) <= 1 || std::abs(x - 80) <= 1;
-            const Image& model = pictures[static_cast<std::size_t>(x / 40)];
-            for (int c = 0; c < 4 && !seam; ++c)
-                ASSERT_EQ(pictures[3].pixel(x, y)[c], model.pixel(x, y)[c]) << x << " " << y;
-        }
 }
 
 TEST(Shading10Backends, OsmesaAndEglGiveTheSameBits) {
