@@ -31,16 +31,23 @@ graph::Resource Studio::draw(Lab& lab, const Frame& frame) {
     return picture;
 }
 
+graph::Resource Studio::drawTimed(Lab& lab, const Frame& frame) {
+    context();
+    graph::Resource picture;
+    pictureSeconds_ = gl::secondsOf([&] { picture = draw(lab, frame); });
+    return picture;
+}
+
 Image8 Studio::picture(Lab& lab, const Frame& frame) {
     QX_CHECK(frame.pictureFormat == graph::Format::rgba8Srgb);
-    const graph::Resource picture = draw(lab, frame);
+    const graph::Resource picture = drawTimed(lab, frame);
     return gl::readPixels8(executor_->output(picture));
 }
 
 Image Studio::linearPicture(Lab& lab, const Frame& frame) {
     Frame exact = frame;
     exact.pictureFormat = graph::Format::rgba32f;
-    const graph::Resource picture = draw(lab, exact);
+    const graph::Resource picture = drawTimed(lab, exact);
     return gl::readPixels(executor_->output(picture));
 }
 

@@ -24,6 +24,9 @@ class Studio {
     /// them.
     Image resource(Lab& lab, const Frame& frame, std::string_view name);
 
+    /// How long the frame of the last `picture` or `linearPicture` took, around glFinish, read-back apart.
+    double pictureSeconds() const { return pictureSeconds_; }
+
     /// Time of a frame, around glFinish: `warmUps` frames first, then the median and the interquartile range
     /// of `repeats`.
     struct Timing {
@@ -43,9 +46,11 @@ class Studio {
 
   private:
     graph::Resource draw(Lab& lab, const Frame& frame);
+    graph::Resource drawTimed(Lab& lab, const Frame& frame);
     gl::Backend backend_;
     std::unique_ptr<gl::Context> context_;
     std::unique_ptr<gl::Executor> executor_;
+    double pictureSeconds_ = 0;
 };
 
 }  // namespace quincunx
