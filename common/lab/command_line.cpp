@@ -33,13 +33,15 @@ const LabEntry* mentionedLab(std::span<const LabEntry> labs, const std::vector<s
     return nullptr;
 }
 
-void addKnobs(CLI::App& command, KnobSet& knobs) {
+/// Each knob as a flag; what is given is set at once, and noted in `given`.
+void addKnobs(CLI::App& command, KnobSet& knobs, KnobValues& given) {
     for (Knob* knob : knobs.all()) {
         const bool isSwitch = dynamic_cast<BoolKnob*>(knob) != nullptr;
         CLI::Option* option = command.add_option_function<std::string>(
             "--" + knob->name(),
-            [knob, isSwitch](const std::string& text) {
+            [knob, isSwitch, &given](const std::string& text) {
                 knob->parse(isSwitch && text.empty() ? "on" : text);
+                given.emplace_back(knob->name(), knob->text());
             },
             knob->help());
         if (isSwitch)
@@ -123,12 +125,13 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     std::string labName;
     ExitStatus status = ExitStatus::ok;
 
+    KnobValues given;
     const auto labVerb = [&](const char* verb, const char* help) {
         CLI::App* command = app.add_subcommand(verb, help);
         if (only == nullptr)
             command->add_option("LAB", labName, "Number, name or both")->required();
         if (lab)
-            addKnobs(*command, lab->knobs());
+            addKnobs(*command, lab->knobs(), given);
         else
             command->allow_extras();  // the unknown lab is the error to tell, not its flags
         return command;
@@ -158,6 +161,7 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     runCommand->add_flag("--json", runOptions.draw.json, "Machine-readable");
     runCommand->callback([&] {
         const LabEntry& entry = chosen();
+        runOptions.knobs = given;
         run(*lab, entry, runOptions);
     });
 

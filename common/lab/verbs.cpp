@@ -161,6 +161,7 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
             draw.model = state.model;
         loadModel(lab, draw.model);
         lab.knobs().set(state.knobs);
+        lab.knobs().set(options.knobs);
         state.frame.width = draw.width.value_or(state.frame.width);
         state.frame.height = draw.height.value_or(state.frame.height);
         state.frame.seed = draw.seed.value_or(state.frame.seed);

@@ -31,6 +31,7 @@ struct RunOptions {
     DrawOptions draw;
     std::string record;
     std::string replay;
+    KnobValues knobs;  ///< given as flags: they win over those of a replay
 };
 
 struct SweepOptions {

@@ -52,14 +52,14 @@ class GltfReader {
           most_((std::size_t{1} << 16) + contents.size()),
           container_(openGltf(contents, where_)),
           document_(parseBoundedJson(container_.json, where_)),
-          root_(document_, where_),
+          root_(ofVersionTwo(JsonView(document_, where_), where_)),
           buffers_(root_, container_.binary, folder_, contents.size()),
           shelf_(scene_, warnings_) {
         scene_.name = file.stem().string();
     }
 
     ImportedScene read() {
-        checkAsset();
+        checkRequiredExtensions();
         noteWhatIsNotDrawn();
         readMaterials();
         readNodes();
@@ -69,11 +69,17 @@ class GltfReader {
     }
 
   private:
-    void checkAsset() {
-        const std::string version = root_.at("asset").at("version").string();
-        if (!version.starts_with("2."))
-            throw InputError(fmt::format("glTF of version {}", printable(version, 20)), where_,
-                             "convert it to glTF 2.0");
+    /// `root`, once it is known to be laid out as the rest of this file expects.
+    static JsonView ofVersionTwo(const JsonView& root, const std::string& where) {
+        const auto version = root.at("asset").find("version");
+        if (!version || !version->string().starts_with("2."))
+            throw InputError(
+                fmt::format("glTF of version {}", version ? printable(version->string(), 20) : "1"), where,
+                "convert it to glTF 2.0");
+        return root;
+    }
+
+    void checkRequiredExtensions() {
         if (const auto required = root_.find("extensionsRequired"))
             for (std::size_t i = 0; i < required->size(); ++i)
                 if (const std::string name = (*required)[i].string(); !supported(name))

@@ -31,6 +31,8 @@ ShadingLab::ShadingLab() : stillLife_(makeStillLife()) {}
 void ShadingLab::useScene(Scene scene) {
     if (scene.lights.empty())
         scene.lights = studioLights();
+    scene.backgroundTop = stillLife_.backgroundTop;
+    scene.backgroundBottom = stillLife_.backgroundBottom;
     scene_ = std::move(scene);
     builtIn_ = false;
     shared_.reset();
