@@ -166,11 +166,12 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     });
 
     int question = 0;
-    constexpr int maxQuestion = 118;
     DrawOptions askOptions;
     CLI::App* askCommand =
         app.add_subcommand("ask", "Answer an exam question, with the figures that prove it");
-    addNumber(*askCommand, "QUESTION", question, 1, maxQuestion, "Its number")->required()->type_name("N");
+    addNumber(*askCommand, "QUESTION", question, 1, std::numeric_limits<int>::max(), "Its number")
+        ->required()
+        ->type_name("N");
     addDrawing(*askCommand, askOptions, false);
     askCommand->add_flag("--json", askOptions.json, "Machine-readable");
     askCommand->callback([&] { status = ask(labs, question, askOptions); });

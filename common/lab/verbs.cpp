@@ -265,8 +265,11 @@ ExitStatus ask(std::span<const LabEntry> labs, int number, const DrawOptions& op
         }
     }
     std::sort(answered.begin(), answered.end());
-    throw InputError(fmt::format("question {} is not answered yet", number), {},
-                     fmt::format("ask one of {}", fmt::join(answered, ", ")));
+    constexpr int questionCount = 118;
+    throw InputError(number > questionCount
+                         ? fmt::format("there is no question {} among the {}", number, questionCount)
+                         : fmt::format("question {} is not answered yet", number),
+                     {}, fmt::format("ask one of {}", fmt::join(answered, ", ")));
 }
 
 ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {

@@ -49,6 +49,19 @@ std::string readNumber(int descriptor) {
 }  // namespace
 
 Xvfb::Xvfb() : displayBefore_(variable("DISPLAY")), waylandBefore_(variable("WAYLAND_DISPLAY")) {
+    // Two servers that start at the same moment may want the same number, and one of them gives up.
+    constexpr int attempts = 5;
+    std::string number;
+    for (int i = 0; i < attempts && number.empty(); ++i)
+        number = start();
+    if (number.empty())
+        throw EnvironmentError("did not start", "Xvfb", "install the package xvfb");
+    display_ = ":" + number;
+    setVariable("DISPLAY", display_);
+    setVariable("WAYLAND_DISPLAY", "");
+}
+
+std::string Xvfb::start() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
         throw EnvironmentError(std::strerror(errno), "pipe");
@@ -67,13 +80,9 @@ Xvfb::Xvfb() : displayBefore_(variable("DISPLAY")), waylandBefore_(variable("WAY
     close(ends[1]);
     const std::string number = process_ > 0 ? readNumber(ends[0]) : std::string();
     close(ends[0]);
-    if (number.empty()) {
+    if (number.empty())
         stop();
-        throw EnvironmentError("did not start", "Xvfb", "install the package xvfb");
-    }
-    display_ = ":" + number;
-    setVariable("DISPLAY", display_);
-    setVariable("WAYLAND_DISPLAY", "");
+    return number;
 }
 
 Xvfb::~Xvfb() {

@@ -20,6 +20,8 @@ class Xvfb {
     const std::string& display() const { return display_; }
 
   private:
+    /// The display's number; empty when the server did not start.
+    std::string start();
     void stop();
 
     pid_t process_ = -1;

@@ -78,7 +78,7 @@ TEST_F(Package, IsBuiltUponAndALabIsAddedByMakingAFolder) {
     draw(program, {"run", "99", "--grey=1", "--out", "white.png"});
     draw(build_ / "bin/99_probe", {"--grey=1", "--out", "own_program.png"});
     EXPECT_THAT(call({program, "compare", "black.png", "white.png", "--metric", "rmse"}).out,
-                HasSubstr("rmse 1.000000"));
+                HasSubstr("rmse 0.866025"));  // √¾: the alpha of both is 1
     EXPECT_THAT(call({program, "compare", "own_program.png", "white.png", "--metric", "rmse"}).out,
                 HasSubstr("rmse 0.000000"));
 }
