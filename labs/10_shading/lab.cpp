@@ -15,6 +15,24 @@ namespace quincunx {
 
 namespace {
 
+/// Where `compare` shows one of the three models, in pixels of the drawn picture, and how.
+struct Column {
+    int left = 0;
+    int width = 1;
+    float aspect = 1;
+    Camera camera;  ///< sees as much of the scene as the whole picture's does
+};
+
+Column columnOf(int index, int width, int height, const Camera& camera) {
+    Column column;
+    column.left = width * index / 3;
+    column.width = std::max(width * (index + 1) / 3 - column.left, 1);
+    column.aspect = static_cast<float>(column.width) / static_cast<float>(height);
+    const float whole = static_cast<float>(width) / static_cast<float>(height);
+    column.camera = fittedToAspect(camera, column.aspect, std::min(whole, composedAspect));
+    return column;
+}
+
 /// A white line between two pictures.
 void fillColumn(int left, int width, int height) {
     glEnable(GL_SCISSOR_TEST);
@@ -145,8 +163,11 @@ void ShadingLab::drawScene(graph::PassContext& context, const Frame& frame, int 
         SceneBuffers& buffers = *buffersFor(one);
         buffers.update(makeFrameBlock(scene_, turnedLights(), camera, aspect), objects);
         drawShaded(context, buffers, params);
+        counters_["triangles"] += buffers.triangleCount();
+        counters_["vertices"] += buffers.vertexCount();
     };
 
+    counters_.clear();
     glClear(GL_DEPTH_BUFFER_BIT);
     const float aspect = static_cast<float>(frame.width) / static_cast<float>(frame.height);
     const Shading mode = shading.as<Shading>();
@@ -157,14 +178,11 @@ void ShadingLab::drawScene(graph::PassContext& context, const Frame& frame, int 
     const int width = frame.width * factor;
     const int height = frame.height * factor;
     for (int i = 0; i < 3; ++i) {
-        const int left = width * i / 3;
-        const int columnWidth = std::max(width * (i + 1) / 3 - left, 1);
-        const float columnAspect = static_cast<float>(columnWidth) / static_cast<float>(height);
-        glViewport(left, 0, columnWidth, height);
-        draw(static_cast<ShadingModel>(i),
-             fittedToAspect(frame.camera, columnAspect, std::min(aspect, composedAspect)), columnAspect);
+        const Column column = columnOf(i, width, height, frame.camera);
+        glViewport(column.left, 0, column.width, height);
+        draw(static_cast<ShadingModel>(i), column.camera, column.aspect);
         if (i > 0)
-            fillColumn(left - factor, 2 * factor, height);
+            fillColumn(column.left - factor, 2 * factor, height);
     }
     glViewport(0, 0, width, height);
 }
@@ -176,19 +194,31 @@ Lab::ReferenceJob ShadingLab::reference(const Frame& frame) const {
     exact.lights = turnedLights();
     for (StillLife::Object& object : exact.objects)
         object.material.shininess *= shininessScale;
-    return [exact, frame, model = model(), placement = worldFromScene(),
-            factor = static_cast<int>(supersample)](const std::atomic<bool>& stop) {
-        return boxDownsample(traceReference(exact, frame.camera, frame.width * factor, frame.height * factor,
-                                            model, placement, &stop),
-                             factor);
+    const auto trace = [exact, model = model(), placement = worldFromScene()](
+                           const Camera& camera, int width, int height, const std::atomic<bool>& stop) {
+        return traceReference(exact, camera, width, height, model, placement, &stop);
     };
-}
-
-std::map<std::string, std::uint64_t> ShadingLab::counters() const {
-    const std::optional<SceneBuffers>& buffers = shading.as<Shading>() == Shading::flat ? facets_ : shared_;
-    if (!buffers)
-        return {};
-    return {{"triangles", buffers->triangleCount()}, {"vertices", buffers->vertexCount()}};
+    const bool compare = shading.as<Shading>() == Shading::compare;
+    return [trace, frame, compare, factor = static_cast<int>(supersample)](const std::atomic<bool>& stop) {
+        const int width = frame.width * factor;
+        const int height = frame.height * factor;
+        if (!compare)
+            return boxDownsample(trace(frame.camera, width, height, stop), factor);
+        Image fine(width, height, 4, Encoding::linear);
+        for (int i = 0; i < 3; ++i) {
+            const Column column = columnOf(i, width, height, frame.camera);
+            const Image picture = trace(column.camera, column.width, height, stop);
+            for (int y = 0; y < height; ++y)
+                for (int x = 0; x < column.width && column.left + x < width; ++x)
+                    for (int c = 0; c < 4; ++c)
+                        fine.pixel(column.left + x, y)[c] = picture.pixel(x, y)[c];
+            for (int y = 0; y < height && i > 0; ++y)
+                for (int x = std::max(column.left - factor, 0); x < std::min(column.left + factor, width);
+                     ++x)
+                    std::fill_n(fine.pixel(x, y), 4, 1.0f);
+        }
+        return boxDownsample(fine, factor);
+    };
 }
 
 }  // namespace quincunx

@@ -34,7 +34,7 @@ class ShadingLab final : public Lab {
     std::vector<Question> questions() override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
-    std::map<std::string, std::uint64_t> counters() const override;
+    std::map<std::string, std::uint64_t> counters() const override { return counters_; }
 
     ChoiceKnob shading{knobs(),
                        "shading",
@@ -86,6 +86,7 @@ class ShadingLab final : public Lab {
     Scene scene_;
     std::optional<SceneBuffers> shared_;
     std::optional<SceneBuffers> facets_;
+    std::map<std::string, std::uint64_t> counters_;
 };
 
 }  // namespace quincunx
