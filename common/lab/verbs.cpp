@@ -74,8 +74,8 @@ void warmUp(Studio& studio, Lab& lab, Frame frame) {
     studio.time(lab, frame, 1, 0);
 }
 
-/// The time of the picture's own frame if that is slow, since nobody should wait for another; else the
-/// median of five more.
+/// The time of the picture's own frame if that is slow, since nobody should wait for another (its targets are
+/// new to it: a tenth more on llvmpipe); else the median of five more.
 double quickFrameSeconds(Studio& studio, Lab& lab, const Frame& frame) {
     constexpr double patienceSeconds = 0.1;
     const double seconds = studio.pictureSeconds();
