@@ -242,8 +242,7 @@ void applyStyle(float pointsToScreen, float screenToPixels) {
     io.FontGlobalScale = 1 / screenToPixels;
 }
 
-PanelActions drawPanel(KnobSet& knobs, const PanelText& text, const std::optional<PanelPicture>& picture,
-                       float pointsToScreen) {
+PanelActions drawPanel(KnobSet& knobs, const PanelText& text, float pointsToScreen) {
     const float points = pointsToScreen;
     PanelActions actions;
     const ImVec2 display = ImGui::GetIO().DisplaySize;
@@ -259,7 +258,7 @@ PanelActions drawPanel(KnobSet& knobs, const PanelText& text, const std::optiona
     ImGui::SetWindowFontScale(1);
     if (ImGui::IsItemHovered())
         tooltip(text.topic, points);
-    ImGui::SameLine(width - (marginPoints + 44) * points);
+    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - 44 * points);
     actions.helpWanted = ImGui::Button("help", {44 * points, 0});
     heading("Knobs");
 
@@ -268,41 +267,43 @@ PanelActions drawPanel(KnobSet& knobs, const PanelText& text, const std::optiona
         actions.knobsChanged = drawKnob(*knob, index++, points) || actions.knobsChanged;
     ImGui::SetCursorPosY((PanelLayout::knobTop + PanelLayout::knobStep * static_cast<float>(index)) * points);
 
-    if (!text.fault.empty()) {
-        heading("Fault");
-        textWrapped(faultColor, text.fault);
-    }
     heading("Picture");
     drawFacts(text, points);
-    if (picture) {
-        const float mapWidth = ImGui::GetContentRegionAvail().x;
-        const float shape = static_cast<float>(picture->height) / static_cast<float>(picture->width);
-        ImGui::Spacing();
-        ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(picture->texture)),
-                     {mapWidth, mapWidth * shape});
-        textWrapped(dimColor, picture->caption);
-    }
     heading("Camera");
     textWrapped(dimColor, text.camera);
-    if (!text.notice.empty()) {
-        ImGui::Spacing();
-        textWrapped(noticeColor, text.notice);
-    }
     ImGui::End();
     return actions;
 }
 
-void drawFault(const std::string& fault, float pointsToScreen) {
-    if (fault.empty())
-        return;
+void drawInset(const InsetPicture& picture, float pictureWidth, float pointsToScreen) {
     const float margin = marginPoints * pointsToScreen;
-    const ImVec2 display = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos({margin, display.y - margin}, ImGuiCond_Always, {0, 1});
-    ImGui::SetNextWindowSize({std::min(display.x - 2 * margin, 600 * pointsToScreen), 0});
-    ImGui::Begin("fault", nullptr,
+    const float width = pictureWidth / 3;
+    const float shape = static_cast<float>(picture.height) / static_cast<float>(picture.width);
+    ImGui::SetNextWindowPos({margin, ImGui::GetIO().DisplaySize.y - margin}, ImGuiCond_Always, {0, 1});
+    ImGui::SetNextWindowSize({width + 2 * margin, 0});
+    ImGui::Begin("inset", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoInputs);
-    textWrapped(faultColor, fault);
+    ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(picture.texture)),
+                 {width, width * shape});
+    textWrapped(dimColor, picture.caption);
+    ImGui::End();
+}
+
+void drawMessages(const std::string& notice, const std::string& fault, bool onPanel, float pointsToScreen) {
+    if (notice.empty() && fault.empty())
+        return;
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float width = PanelLayout::width * pointsToScreen;
+    ImGui::SetNextWindowPos({onPanel ? display.x - width : 0, display.y}, ImGuiCond_Always, {0, 1});
+    ImGui::SetNextWindowSize({width, 0});
+    ImGui::Begin("messages", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoInputs);
+    if (!notice.empty())
+        textWrapped(noticeColor, notice);
+    if (!fault.empty())
+        textWrapped(faultColor, fault);
     ImGui::End();
 }
 

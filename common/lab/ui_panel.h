@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,7 +13,7 @@ namespace quincunx {
 /// follow at equal steps, so that a hand, or a test, finds them.
 struct PanelLayout {
     static constexpr float width = 348;
-    static constexpr float knobTop = 66;     ///< upper edge of the first control
+    static constexpr float knobTop = 70;     ///< upper edge of the first control
     static constexpr float knobStep = 27;    ///< from one control to the next
     static constexpr float knobHeight = 23;  ///< of a control
     static constexpr float knobLeft = 138;   ///< left edge of the controls, from that of the panel
@@ -29,8 +28,6 @@ struct PanelText {
     std::string topic;
     std::vector<std::pair<std::string, std::string>> facts;  ///< frame time, error and the like
     std::string camera;
-    std::string notice;  ///< what was done last: "wrote out/x.png"
-    std::string fault;   ///< what went wrong, red; empty: nothing
 };
 
 /// One line of the help.
@@ -39,8 +36,8 @@ struct KeyHelp {
     std::string what;
 };
 
-/// A picture for the panel, by its GL name.
-struct PanelPicture {
+/// A small picture over the large one, by its GL name.
+struct InsetPicture {
     unsigned int texture = 0;
     int width = 0;   ///< pixels
     int height = 0;  ///< pixels
@@ -59,11 +56,15 @@ struct PanelActions {
 void applyStyle(float pointsToScreen, float screenToPixels);
 
 /// Draws the panel with a control for every knob, and changes the knobs as the person does.
-PanelActions drawPanel(KnobSet& knobs, const PanelText& text, const std::optional<PanelPicture>& picture,
-                       float pointsToScreen);
+PanelActions drawPanel(KnobSet& knobs, const PanelText& text, float pointsToScreen);
 
-/// The fault in the picture's lower left, for when the panel is hidden.
-void drawFault(const std::string& fault, float pointsToScreen);
+/// A picture with its caption in the lower left, a third as wide as the lab's picture, which is
+/// `pictureWidth` screen coordinates wide.
+void drawInset(const InsetPicture& picture, float pictureWidth, float pointsToScreen);
+
+/// What was done last ("wrote out/x.png") and, red, what went wrong; either may be empty. At the foot of the
+/// panel or, where that is hidden, of the picture: always in sight.
+void drawMessages(const std::string& notice, const std::string& fault, bool onPanel, float pointsToScreen);
 
 /// The list of keys over the picture, `pictureWidth` screen coordinates wide.
 void drawHelp(std::span<const KeyHelp> keys, float pictureWidth, float pointsToScreen);

@@ -134,7 +134,7 @@ class FrameTimes {
         resting_ += Seconds(seconds);
     }
     bool enough() const {
-        return (warm_ && seconds_.size() >= restingSamples) || resting_ > restingMeasurement;
+        return warm_ && (seconds_.size() >= restingSamples || resting_ > restingMeasurement);
     }
     std::string text() const {
         if (seconds_.empty())
@@ -142,7 +142,7 @@ class FrameTimes {
         std::vector<double> sorted(seconds_.begin(), seconds_.end());
         std::sort(sorted.begin(), sorted.end());
         const double median = sorted[sorted.size() / 2];
-        return fmt::format("{:.{}f} ms, {:.0f} a second", median * 1e3, median < 0.01 ? 2 : 1, 1 / median);
+        return fmt::format("{:.{}f} ms, {:.3g} a second", median * 1e3, median < 0.01 ? 2 : 1, 1 / median);
     }
 
   private:
@@ -194,7 +194,7 @@ class LabWindow {
         : lab_(lab),
           options_(options),
           state_(std::move(state)),
-          window_(fmt::format("{} – quincunx", entry.folder()),
+          window_(fmt::format("{} - quincunx", entry.folder()),
                   state_.frame.width + static_cast<int>(PanelLayout::width), state_.frame.height),
           camera_(state_.frame.camera, lab.sceneBounds()),
           liveError_([] { glfwPostEmptyEvent(); }) {
@@ -202,6 +202,7 @@ class LabWindow {
         state_.renderer = window_.renderer();
         state_.frame.pictureFormat = graph::Format::rgba8Srgb;
         installCallbacks();
+        glfwGetCursorPos(window_.glfw(), &cursor_.x, &cursor_.y);
         imgui_.emplace(window_.glfw());
         restyle();
         fitWindow();
@@ -214,8 +215,12 @@ class LabWindow {
             advance();
             if (uiFrames_ > 0 || stale_)
                 present();
+            // All that was done before the key is in the picture.
+            if (screenshotWanted_ && ((uiFrames_ == 0 && !stale_) || held_.any()))
+                writeScreenshot();
             wait();
         }
+        throwIfInterrupted();
         if (!options_.record.empty())
             writeFile(options_.record, toJson(shown_->state) + "\n");
     }
@@ -326,7 +331,6 @@ class LabWindow {
     }
 
     void onMouseButton(int button, int action) {
-        glfwGetCursorPos(window_.glfw(), &cursor_.x, &cursor_.y);
         if (action == GLFW_PRESS && !dragButton_ && overPicture())
             dragButton_ = button;
         else if (action == GLFW_RELEASE && dragButton_ == button)
@@ -360,10 +364,8 @@ class LabWindow {
     }
     float pointsToScreen() const { return std::max(window_.contentScale() / screenToPixels(), 0.1f); }
 
-    /// The panel never takes more than half of the window from the picture.
     float panelWidthScreen() const {
-        const float wanted = panelOpen_ ? std::round(PanelLayout::width * pointsToScreen()) : 0;
-        return std::min(wanted, static_cast<float>(window_.screenSize().x) / 2);
+        return panelOpen_ ? std::round(PanelLayout::width * pointsToScreen()) : 0;
     }
     float pictureWidthScreen() const {
         return static_cast<float>(window_.screenSize().x) - panelWidthScreen();
@@ -428,8 +430,6 @@ class LabWindow {
             if (times_.enough())
                 uiFrames_ = 1;
         }
-        if (std::exchange(screenshotWanted_, false))
-            writeScreenshot();
     }
 
     void reload() {
@@ -543,6 +543,7 @@ class LabWindow {
     }
 
     void writeScreenshot() {
+        screenshotWanted_ = false;
         try {
             const PictureState& state = shown_->state;
             std::filesystem::path file;
@@ -578,8 +579,6 @@ class LabWindow {
                 ? "Orbit: drag turns, right drag moves, wheel zooms. C flies."
                 : fmt::format("Fly at {:.3g} a second: W A S D, E up, Q down, drag looks. C orbits.",
                               camera_.speed());
-        text.notice = notice_;
-        text.fault = faultText();
         return text;
     }
 
@@ -593,18 +592,17 @@ class LabWindow {
         ImGui::NewFrame();
         const float points = pointsToScreen();
         if (panelOpen_) {
-            std::optional<PanelPicture> picture;
-            if (mapOpen_ && map_)
-                picture = PanelPicture{map_->get(), map_->width(), map_->height(),
-                                       "Error of each pixel: black none, red, yellow, white 0.25 and more"};
-            const PanelActions actions = drawPanel(lab_.knobs(), panelText(), picture, points);
+            const PanelActions actions = drawPanel(lab_.knobs(), panelText(), points);
             if (actions.knobsChanged)
                 settingsChanged();
             if (actions.helpWanted)
                 toggleHelp();
-        } else {
-            drawFault(faultText(), points);
         }
+        drawMessages(notice_, faultText(), panelOpen_, points);
+        if (mapOpen_ && map_)
+            drawInset({map_->get(), map_->width(), map_->height(),
+                       "Error: black none, red, yellow, white 0.25 and more"},
+                      pictureWidthScreen(), points);
         if (helpOpen_)
             drawHelp(help(), pictureWidthScreen(), points);
         ImGui::Render();

@@ -1,0 +1,238 @@
+#include "tests/common/window/driver.h"
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+#include <X11/Xatom.h>
+#include <X11/Xlib.h>
+#include <X11/Xutil.h>
+
+#include "image/io.h"
+
+namespace quincunx::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// On a busy machine a first frame takes seconds.
+constexpr std::chrono::seconds patience{20};
+constexpr std::chrono::milliseconds pollInterval{10};
+
+/// So often in a row, so long apart, is the program found asleep before it counts as settled.
+constexpr int sleepingSamples = 6;
+constexpr std::chrono::milliseconds sampleInterval{4};
+
+/// True if no thread of the process runs or waits for a processor; also when it has ended.
+bool asleep(pid_t process) {
+    std::error_code error;
+    const std::filesystem::path tasks = "/proc/" + std::to_string(process) + "/task";
+    for (const auto& task : std::filesystem::directory_iterator(tasks, error)) {
+        std::ifstream file(task.path() / "stat");
+        std::string line;
+        std::getline(file, line);
+        // The state follows the name, which is in brackets.
+        const std::size_t end = line.rfind(')');
+        if (end != std::string::npos && end + 2 < line.size() &&
+            (line[end + 2] == 'R' || line[end + 2] == 'D'))
+            return false;
+    }
+    return true;
+}
+
+/// Windows may vanish between two requests.
+int ignoreError(Display*, XErrorEvent*) {
+    return 0;
+}
+
+}  // namespace
+
+Screen::Screen() : display_(XOpenDisplay(nullptr)) {
+    if (display_ == nullptr)
+        throw std::runtime_error("the display cannot be opened");
+    XSetErrorHandler(ignoreError);
+}
+
+Screen::~Screen() {
+    XCloseDisplay(display_);
+}
+
+Image8 Screen::look(const Area& area) const {
+    Image8 image(area.width, area.height, 3, Encoding::srgb);
+    XImage* seen =
+        XGetImage(display_, DefaultRootWindow(display_), area.x, area.y, static_cast<unsigned>(area.width),
+                  static_cast<unsigned>(area.height), AllPlanes, ZPixmap);
+    if (seen == nullptr)
+        throw std::runtime_error("the area is not on the screen");
+    for (int y = 0; y < area.height; ++y)
+        for (int x = 0; x < area.width; ++x) {
+            const unsigned long value = XGetPixel(seen, x, y);
+            for (int channel = 0; channel < 3; ++channel)
+                image.pixel(x, y)[channel] = static_cast<std::uint8_t>(value >> (16 - 8 * channel));
+        }
+    XDestroyImage(seen);
+    return image;
+}
+
+std::optional<Area> Screen::find(const std::string& title) const {
+    Window root = 0;
+    Window parent = 0;
+    Window* children = nullptr;
+    unsigned count = 0;
+    if (XQueryTree(display_, DefaultRootWindow(display_), &root, &parent, &children, &count) == 0)
+        return std::nullopt;
+    std::optional<Area> found;
+    for (unsigned i = 0; i < count; ++i) {
+        char* name = nullptr;
+        XWindowAttributes attributes;
+        if (XFetchName(display_, children[i], &name) == 0)
+            continue;
+        if (std::string(name).starts_with(title) &&
+            XGetWindowAttributes(display_, children[i], &attributes) != 0 &&
+            attributes.map_state == IsViewable)
+            found = Area{attributes.x, attributes.y, attributes.width, attributes.height};
+        XFree(name);
+    }
+    if (children != nullptr)
+        XFree(children);
+    return found;
+}
+
+void Screen::sync() const {
+    XSync(display_, False);
+}
+
+void Screen::setDensity(int dotsPerInch) const {
+    const std::string resources = "Xft.dpi:\t" + std::to_string(dotsPerInch) + "\n";
+    XChangeProperty(display_, DefaultRootWindow(display_), XA_RESOURCE_MANAGER, XA_STRING, 8, PropModeReplace,
+                    reinterpret_cast<const unsigned char*>(resources.data()),
+                    static_cast<int>(resources.size()));
+    XSync(display_, False);
+}
+
+DrivenWindow::DrivenWindow(std::vector<std::string> words, std::vector<std::string> environment,
+                           int dotsPerInch)
+    : screen_(std::make_unique<Screen>()) {
+    screen_->setDensity(dotsPerInch);
+    // The pointer rests where it points at nothing.
+    act({"mousemove", "1279", "1023"});
+    std::vector<std::string> command = {QUINCUNX_PROGRAM,
+                                        "run",
+                                        "shading",
+                                        "--backend",
+                                        "window",
+                                        "--size",
+                                        std::to_string(width) + "x" + std::to_string(height),
+                                        "--record",
+                                        "record.json"};
+    command.insert(command.end(), words.begin(), words.end());
+    ProcessOptions options;
+    options.folder = folder_.path();
+    options.environment = std::move(environment);
+    process_ = std::make_unique<Process>(command, options);
+    // The picture has more than one colour as soon as it is there.
+    const bool open = waitUntil([this] {
+        const std::optional<Area> found = screen_->find("10_shading");
+        if (!found || found->width <= width)
+            return false;
+        area_ = *found;
+        const Image8 seen = picture();
+        return withoutAlpha(seen).data != std::vector<std::uint8_t>(seen.data.size(), seen.data[0]);
+    });
+    if (!open) {
+        process_->signal(SIGKILL);
+        throw std::runtime_error("no window opened: " + process_->wait().text());
+    }
+    settle();
+}
+
+void DrivenWindow::act(std::vector<std::string> words) const {
+    words.insert(words.begin(), "xdotool");
+    const ProcessResult result = runProcess(words);
+    if (result.exitStatus != 0)
+        throw std::runtime_error("xdotool failed: install the package xdotool\n" + result.text());
+    settle();
+}
+
+void DrivenWindow::settle() const {
+    if (!process_)
+        return;
+    const Clock::time_point end = Clock::now() + patience;
+    for (int samples = 0; samples < sleepingSamples && Clock::now() < end; ++samples) {
+        screen_->sync();
+        std::this_thread::sleep_for(sampleInterval);
+        if (!asleep(process_->id()))
+            samples = -1;
+    }
+}
+
+void DrivenWindow::click(int x, int y, int button) const {
+    // One after the other, as a hand does: Dear ImGui looks at the pointer once a frame.
+    act({"mousemove", std::to_string(x), std::to_string(y)});
+    act({"mousedown", std::to_string(button)});
+    act({"mouseup", std::to_string(button)});
+}
+
+std::filesystem::path DrivenWindow::screenshot(int number, const std::string& key) const {
+    press(key);
+    const std::filesystem::path file = folder_ / ("out/10_shading_00" + std::to_string(number) + ".png");
+    if (!waitUntil([&] { return exists(file); }))
+        throw std::runtime_error("no screenshot " + file.string());
+    return file;
+}
+
+void DrivenWindow::drag(int button, int fromX, int fromY, int toX, int toY) const {
+    const std::string number = std::to_string(button);
+    act({"mousemove", std::to_string(fromX), std::to_string(fromY), "mousedown", number, "mousemove",
+         std::to_string((fromX + toX) / 2), std::to_string((fromY + toY) / 2), "mousemove",
+         std::to_string(toX), std::to_string(toY), "mouseup", number});
+}
+
+bool DrivenWindow::waitUntil(const std::function<bool()>& condition) const {
+    const Clock::time_point end = Clock::now() + patience;
+    while (!condition()) {
+        if (Clock::now() > end)
+            return false;
+        std::this_thread::sleep_for(pollInterval);
+    }
+    return true;
+}
+
+ProcessResult DrivenWindow::close() {
+    press("Escape");
+    return process_->wait();
+}
+
+Image8 DrivenWindow::replay(const std::filesystem::path& file) const {
+    ProcessOptions options;
+    options.folder = folder_.path();
+    const std::filesystem::path out = folder_ / "replayed.png";
+    const ProcessResult result = runProcess({QUINCUNX_PROGRAM, "run", "shading", "--backend", "egl",
+                                             "--replay", file.string(), "--out", out.string()},
+                                            options);
+    if (result.exitStatus != 0)
+        throw std::runtime_error("the replay failed\n" + result.text());
+    return withoutAlpha(readImage8(out));
+}
+
+Image8 withoutAlpha(const Image8& image) {
+    Image8 result(image.width, image.height, 3, image.encoding);
+    for (std::size_t i = 0; i < image.pixelCount(); ++i)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            result.data[3 * i + channel] = image.data[static_cast<std::size_t>(image.channels) * i + channel];
+    return result;
+}
+
+int largestDifference(const Image8& a, const Image8& b) {
+    if (a.width != b.width || a.height != b.height || a.channels != b.channels)
+        return 255;
+    int largest = 0;
+    for (std::size_t i = 0; i < a.data.size(); ++i)
+        largest = std::max(largest, std::abs(int{a.data[i]} - int{b.data[i]}));
+    return largest;
+}
+
+}  // namespace quincunx::test

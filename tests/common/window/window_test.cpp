@@ -1,0 +1,274 @@
+#include <algorithm>
+#include <csignal>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "base/file.h"
+#include "image/io.h"
+#include "lab/ui_panel.h"
+#include "lab/verbs.h"
+#include "labs/all_labs.h"
+#include "tests/common/window/driver.h"
+
+namespace quincunx::test {
+namespace {
+
+/// Software rendering gives the same bits in a window and offscreen, so pictures are compared exactly.
+constexpr int sameDriver = 0;
+
+Area scaled(float x, float y, float w, float h, float scale) {
+    return {static_cast<int>(x * scale), static_cast<int>(y * scale), static_cast<int>(w * scale),
+            static_cast<int>(h * scale)};
+}
+
+/// The control of the knob that was declared as the i-th.
+Area control(std::size_t i) {
+    Area area =
+        scaled(PanelLayout::knobLeft, PanelLayout::knobTop + PanelLayout::knobStep * static_cast<float>(i),
+               PanelLayout::knobWidth, PanelLayout::knobHeight, 1);
+    area.x += DrivenWindow::width;
+    return area;
+}
+
+/// How many pixels have the red of faults.
+int faultPixels(DrivenWindow& window) {
+    Screen& screen = window.screen();
+    const Area all = window.area();
+    const Image8 panel = screen.look({DrivenWindow::width, 0, all.width - DrivenWindow::width, all.height});
+    int count = 0;
+    for (std::size_t i = 0; i < panel.pixelCount(); ++i)
+        count += panel.data[3 * i] > 200 && panel.data[3 * i + 1] < 140 && panel.data[3 * i + 2] < 140;
+    return count;
+}
+
+/// A copy of the tree's shaders that a test may edit.
+class ShaderCopy {
+  public:
+    ShaderCopy() {
+        std::filesystem::copy(std::filesystem::path(QUINCUNX_SOURCE_DIR) / "shaders", folder_ / "shaders",
+                              std::filesystem::copy_options::recursive);
+    }
+    std::string environment() const { return "QUINCUNX_ROOT=" + folder_.path().string(); }
+    std::filesystem::path phong() const { return folder_ / "shaders/labs/10_shading/phong.frag"; }
+    std::string read() const { return readFile(phong(), 1 << 20); }
+    void write(const std::string& text) const { writeFile(phong(), text); }
+
+  private:
+    TemporaryFolder folder_;
+};
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.rfind(what);
+    EXPECT_NE(at, std::string::npos);
+    return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
+TEST(Window, ShowsThePictureThatIsDrawnOffscreenByteForByte) {
+    DrivenWindow window;
+    EXPECT_EQ(window.area().width, DrivenWindow::width + static_cast<int>(PanelLayout::width));
+    EXPECT_EQ(window.area().height, DrivenWindow::height);
+    const Image8 seen = window.picture();
+    EXPECT_EQ(window.close().exitStatus, 0);
+    const PictureState state = window.record();
+    EXPECT_EQ(state.frame.width, DrivenWindow::width);
+    EXPECT_EQ(state.frame.height, DrivenWindow::height);
+    EXPECT_LE(largestDifference(seen, window.replay(window.folder() / "record.json")), sameDriver);
+}
+
+TEST(Window, EveryKnobFollowsItsControlAndRightClickPutsItBack) {
+    DrivenWindow window;
+    const Image8 start = window.picture();
+    const std::unique_ptr<Lab> lab = findLab(allLabs(), "shading").make();
+    const std::vector<Knob*>& knobs = lab->knobs().all();
+    ASSERT_GE(knobs.size(), 13u);
+    const auto operate = [&](std::size_t i) {
+        const Area area = control(i);
+        const int middle = area.y + area.height / 2;
+        if (dynamic_cast<BoolKnob*>(knobs[i]) != nullptr) {
+            window.click(area.x + area.height / 2, middle);
+        } else if (const auto* choice = dynamic_cast<ChoiceKnob*>(knobs[i])) {
+            const bool last = choice->index() + 1 == static_cast<int>(choice->options().size());
+            window.click(area.x + 20, middle);
+            window.press(last ? "Up" : "Down");
+            window.press("space");
+        } else {
+            window.click(area.x + area.width * 4 / 5, middle);
+        }
+    };
+    for (std::size_t i = 0; i < knobs.size(); ++i)
+        operate(i);
+    const std::filesystem::path shot = window.screenshot(1);
+    const Image8 seen = window.picture();
+    const PictureState turned = readPictureState(shot);
+    ASSERT_EQ(turned.knobs.size(), knobs.size());
+    for (std::size_t i = 0; i < knobs.size(); ++i)
+        EXPECT_NE(turned.knobs[i].second, knobs[i]->defaultText()) << knobs[i]->name();
+    EXPECT_LE(largestDifference(seen, window.replay(shot)), sameDriver);
+
+    for (std::size_t i = 0; i < knobs.size(); ++i) {
+        const Area area = control(i);
+        window.click(area.x + area.height / 2, area.y + area.height / 2, 3);
+    }
+    EXPECT_EQ(window.picture(), start);
+    EXPECT_EQ(window.close().exitStatus, 0);
+    for (const auto& [name, value] : window.record().knobs)
+        EXPECT_EQ(value, lab->knobs().find(name).defaultText()) << name;
+}
+
+TEST(Window, OrbitsByDragAndWheelAndComesBackBitForBit) {
+    DrivenWindow window;
+    const Image8 start = window.picture();
+    Image8 last = start;
+    const auto moved = [&] {
+        const Image8 now = window.picture();
+        return std::exchange(last, now) != now;
+    };
+    window.drag(1, 240, 200, 330, 160);
+    EXPECT_TRUE(moved());
+    const std::filesystem::path shot = window.screenshot(1);
+    EXPECT_EQ(window.picture(), withoutAlpha(readImage8(shot)));
+    EXPECT_LE(largestDifference(window.picture(), window.replay(shot)), sameDriver);
+
+    window.drag(3, 240, 200, 200, 230);
+    EXPECT_TRUE(moved());
+    window.drag(2, 240, 200, 260, 210);
+    EXPECT_TRUE(moved());
+    window.click(240, 200, 4);
+    EXPECT_TRUE(moved());
+    window.press("r");
+    EXPECT_EQ(window.picture(), start);
+    EXPECT_EQ(withoutAlpha(readImage8(window.screenshot(2, "F12"))), start);
+    EXPECT_EQ(window.close().exitStatus, 0);
+}
+
+TEST(Window, FliesByKeysAndComesBackBitForBit) {
+    DrivenWindow window;
+    const Image8 start = window.picture();
+    window.press("c");
+    Image8 last = start;
+    for (const char* key : {"w", "a", "s", "d", "q", "e"}) {
+        window.act({"keydown", key, "sleep", "0.05", "keyup", key});
+        const Image8 now = window.picture();
+        EXPECT_NE(std::exchange(last, now), now) << key;
+    }
+    window.drag(1, 240, 200, 200, 180);
+    EXPECT_NE(window.picture(), last);
+    window.press("r");
+    EXPECT_EQ(window.picture(), start);
+    EXPECT_EQ(window.close().exitStatus, 0);
+}
+
+TEST(Window, HelpCoversThePictureUntilEscape) {
+    DrivenWindow window;
+    const Image8 start = window.picture();
+    for (const auto& [open, shut] : {std::pair("h", "Escape"), std::pair("F1", "F1")}) {
+        window.press(open);
+        EXPECT_NE(window.picture(), start);
+        window.press(shut);
+        EXPECT_EQ(window.picture(), start);
+    }
+    EXPECT_EQ(window.close().exitStatus, 0);
+}
+
+TEST(Window, WithoutItsPanelThePictureFillsIt) {
+    DrivenWindow window;
+    const Area all = window.area();
+    window.press("Tab");
+    const Image8 wide = window.screen().look(all);
+    EXPECT_EQ(window.close().exitStatus, 0);
+    EXPECT_EQ(window.record().frame.width, all.width);
+    EXPECT_LE(largestDifference(wide, window.replay(window.folder() / "record.json")), sameDriver);
+}
+
+TEST(Window, ABrokenShaderKeepsThePictureShowsWhyAndRecovers) {
+    const ShaderCopy shaders;
+    DrivenWindow window({}, {shaders.environment()});
+    const Image8 start = window.picture();
+    EXPECT_EQ(faultPixels(window), 0);
+
+    const std::string good = shaders.read();
+    shaders.write(replaced(good, "}", "this is no GLSL }"));
+    // One line of text in red has some hundred pixels of its full colour.
+    EXPECT_TRUE(window.waitUntil([&] { return faultPixels(window) > 100; }));
+    EXPECT_EQ(window.picture(), start);
+    // The camera moves on with the last good program.
+    window.drag(1, 240, 200, 300, 200);
+    EXPECT_NE(window.picture(), start);
+    window.press("r");
+    EXPECT_EQ(window.picture(), start);
+    EXPECT_GT(faultPixels(window), 100);
+
+    shaders.write(good + "\n");
+    EXPECT_TRUE(window.waitUntil([&] { return faultPixels(window) == 0; }));
+    EXPECT_EQ(window.picture(), start);
+    shaders.write(replaced(good, "}", "\ncolor.rgb = color.brg;\n}"));
+    EXPECT_TRUE(window.waitUntil([&] { return window.picture() != start; }));
+    EXPECT_EQ(window.close().exitStatus, 0);
+}
+
+TEST(Window, AShaderThatIsBrokenAtTheStartIsOneLine) {
+    const Xvfb xvfb;
+    const ShaderCopy shaders;
+    shaders.write(replaced(shaders.read(), "}", "this is no GLSL }"));
+    const TemporaryFolder folder;
+    ProcessOptions options;
+    options.folder = folder.path();
+    options.environment = {shaders.environment()};
+    const ProcessResult result =
+        runProcess({QUINCUNX_PROGRAM, "run", "shading", "--backend", "window", "--size", "64x64"}, options);
+    EXPECT_EQ(result.exitStatus, 2) << result.text();
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_NE(result.err.find("phong.frag:"), std::string::npos) << result.err;
+}
+
+TEST(Window, EndsCleanlyOnASignal) {
+    DrivenWindow window;
+    window.signal(SIGINT);
+    const ProcessResult result = window.wait();
+    EXPECT_EQ(result.exitStatus, 130) << result.text();
+    EXPECT_EQ(result.err, "quincunx: interrupted\n");
+    EXPECT_TRUE(std::filesystem::is_empty(window.folder().path()));
+}
+
+TEST(Window, WithoutADisplayIsOneLineAndStatusThree) {
+    const TemporaryFolder folder;
+    ProcessOptions options;
+    options.folder = folder.path();
+    for (const char* display : {"DISPLAY=", "DISPLAY=:4242"}) {
+        options.environment = {display, "WAYLAND_DISPLAY="};
+        const ProcessResult result =
+            runProcess({QUINCUNX_PROGRAM, "run", "shading", "--backend", "window"}, options);
+        EXPECT_EQ(result.exitStatus, 3) << result.text();
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+        EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+    }
+}
+
+TEST(Window, OnADenseDisplayThePanelIsTwiceAsLargeAndThePictureAsAsked) {
+    DrivenWindow window({}, {}, 192);
+    const int panel = 2 * static_cast<int>(PanelLayout::width);
+    EXPECT_EQ(window.screen().find("10_shading")->width, DrivenWindow::width + panel);
+    const Image8 seen = window.picture();
+
+    // Down the middle of the first control, between its neighbours of another colour.
+    const Area line =
+        scaled(PanelLayout::knobLeft + PanelLayout::knobWidth / 2, PanelLayout::knobTop, 1, 2, 2);
+    const Image8 column = window.screen().look(
+        {DrivenWindow::width + line.x, line.y - 4, 1, static_cast<int>(2 * PanelLayout::knobStep) + 4});
+    const auto isField = [&](int y) {
+        // The colour of fields is lighter than the panel's, which is 27, 29, 33.
+        return column.pixel(0, y)[2] > 44;
+    };
+    int height = 0;
+    for (int y = 0; y < column.height; ++y)
+        height += isField(y);
+    EXPECT_NEAR(height, 2 * PanelLayout::knobHeight, 2);
+
+    window.press("Escape");
+    EXPECT_EQ(window.wait().exitStatus, 0);
+    EXPECT_LE(largestDifference(seen, window.replay(window.folder() / "record.json")), sameDriver);
+}
+
+}  // namespace
+}  // namespace quincunx::test
