@@ -50,8 +50,8 @@ class Screen {
 /// The program with a lab in a window of a display without a screen, and hands to use it.
 class DrivenWindow {
   public:
-    static constexpr int width = 480;   ///< of the picture at the start
-    static constexpr int height = 480;  ///< of the picture at the start
+    static constexpr int width = 320;   ///< of the picture at the start
+    static constexpr int height = 480;  ///< the same: all knobs are in sight
 
     explicit DrivenWindow(std::vector<std::string> words = {}, std::vector<std::string> environment = {},
                           int dotsPerInch = 96);
