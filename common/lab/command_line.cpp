@@ -88,13 +88,16 @@ void parseSize(std::string_view text, DrawOptions& options) {
     options.height = side(text.substr(x + 1));
 }
 
-void addDrawing(CLI::App& command, DrawOptions& options, bool window) {
+void addBackend(CLI::App& command, DrawOptions& options, bool window) {
     command
         .add_option_function<std::string>(
             "--backend", [&options](const std::string& name) { options.backend = gl::parseBackend(name); },
             "Where to draw")
         ->type_name(window ? "auto|osmesa|egl|window" : "auto|osmesa|egl")
         ->default_str("auto");
+}
+
+void addFrame(CLI::App& command, DrawOptions& options) {
     command
         .add_option_function<std::string>(
             "--size", [&options](const std::string& text) { parseSize(text, options); },
@@ -126,13 +129,13 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     ExitStatus status = ExitStatus::ok;
 
     KnobValues given;
-    const auto labVerb = [&](const char* verb, const char* help) {
+    const auto labVerb = [&](const char* verb, const char* help, bool withKnobs = true) {
         CLI::App* command = app.add_subcommand(verb, help);
         if (only == nullptr)
             command->add_option("LAB", labName, "Number, name or both")->required();
-        if (lab)
+        if (lab && withKnobs)
             addKnobs(*command, lab->knobs(), given);
-        else
+        if (!lab)
             command->allow_extras();  // the unknown lab is the error to tell, not its flags
         return command;
     };
@@ -148,7 +151,8 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
 
     RunOptions runOptions;
     CLI::App* runCommand = labVerb("run", "Draw a lab: in a window or, without a display, into out/");
-    addDrawing(*runCommand, runOptions.draw, true);
+    addBackend(*runCommand, runOptions.draw, true);
+    addFrame(*runCommand, runOptions.draw);
     runCommand->add_option("--out", runOptions.draw.out, "Draw offscreen into this PNG or EXR")
         ->type_name("FILE");
     runCommand->add_option("--model", runOptions.draw.model, "Draw this OBJ, glTF or GLB file")
@@ -172,13 +176,14 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     addNumber(*askCommand, "QUESTION", question, 1, std::numeric_limits<int>::max(), "Its number")
         ->required()
         ->type_name("N");
-    addDrawing(*askCommand, askOptions, false);
+    addBackend(*askCommand, askOptions, false);
     askCommand->add_flag("--json", askOptions.json, "Machine-readable");
     askCommand->callback([&] { status = ask(labs, question, askOptions); });
 
     SweepOptions sweepOptions;
     CLI::App* sweepCommand = labVerb("sweep", "Error against time: table, CSV and SVG");
-    addDrawing(*sweepCommand, sweepOptions.draw, false);
+    addBackend(*sweepCommand, sweepOptions.draw, false);
+    addFrame(*sweepCommand, sweepOptions.draw);
     sweepCommand->add_option("--sweep", sweepOptions.only, "Only this one")->type_name("NAME");
     sweepCommand->add_option("--out", sweepOptions.draw.out, "Folder for CSV and SVG")
         ->type_name("FOLDER")
@@ -199,7 +204,7 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     });
 
     StressOptions stressOptions;
-    CLI::App* stressCommand = labVerb("stress", "Hard cases: naive error, stable error, bound");
+    CLI::App* stressCommand = labVerb("stress", "Hard cases: naive error, stable error, bound", false);
     stressCommand->add_flag("--full", stressOptions.full, "A million inputs a routine");
     stressCommand->add_option("--seed", stressOptions.seed, "Of the inputs")
         ->type_name("N")

@@ -78,9 +78,11 @@ struct Sweep {
     std::string reference;  ///< what the error is measured against
     std::string metric;     ///< "RMSE", "FLIP", "wrong pixels" …
     std::string errorUnit;
+    int width = 480;   ///< pixels, where no other size is asked for
+    int height = 360;  ///< pixels
     std::vector<KnobValues> points;
-    /// Called with the knobs set to a point.
-    std::function<SweepSample(Studio&)> measure;
+    /// Called with the knobs set to a point, and with the same frame for all points.
+    std::function<SweepSample(Studio&, const Frame&)> measure;
 };
 
 /// A numeric routine on hard inputs, in its naive and in its stable form, against an exact oracle.

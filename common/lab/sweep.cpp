@@ -32,14 +32,15 @@ std::string csvField(std::string_view text) {
 
 }  // namespace
 
-SweepResult runSweep(Lab& lab, const LabEntry& entry, const Sweep& sweep, Studio& studio) {
+SweepResult runSweep(Lab& lab, const LabEntry& entry, const Sweep& sweep, Studio& studio,
+                     const Frame& frame) {
     const KnobScope scope(lab.knobs());
     SweepResult result{entry.folder(), sweep.name,      sweep.title, sweep.reference,
                        sweep.metric,   sweep.errorUnit, {},          {}};
     Progress progress(fmt::format("{} {}", entry.folder(), sweep.name), sweep.points.size());
     for (const KnobValues& point : sweep.points) {
         lab.knobs().set(point);
-        result.points.push_back({point, sweep.measure(studio), false});
+        result.points.push_back({point, sweep.measure(studio, frame), false});
         progress.update(result.points.size());
     }
     markParetoFront(result.points);

@@ -25,8 +25,8 @@ struct SweepResult {
     std::vector<SweepPoint> points;
 };
 
-/// Measures every point of a sweep, with progress; the lab's knobs are put back afterwards.
-SweepResult runSweep(Lab& lab, const LabEntry& entry, const Sweep& sweep, Studio& studio);
+/// Measures every point of a sweep in `frame`, with progress; the lab's knobs are put back afterwards.
+SweepResult runSweep(Lab& lab, const LabEntry& entry, const Sweep& sweep, Studio& studio, const Frame& frame);
 
 /// Marks the points that no other point beats: at most as slow and at most as wrong, and better in one of
 /// them.

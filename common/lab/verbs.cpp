@@ -290,7 +290,10 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
     for (const Sweep& sweep : sweeps) {
         if (!options.only.empty() && sweep.name != options.only)
             continue;
-        const SweepResult result = runSweep(lab, entry, sweep, studio);
+        Frame frame = studio.frame(lab, options.draw.width.value_or(sweep.width),
+                                   options.draw.height.value_or(sweep.height));
+        frame.seed = options.draw.seed.value_or(frame.seed);
+        const SweepResult result = runSweep(lab, entry, sweep, studio, frame);
         const std::string stem = fmt::format("{}_{}", entry.folder(), sweep.name);
         writeFile(folder / (stem + ".csv"), toCsv(result));
         writePlotSvg(result, folder / (stem + ".svg"));

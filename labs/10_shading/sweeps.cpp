@@ -10,8 +10,7 @@
 namespace quincunx {
 namespace {
 
-/// Shading model × tessellation, in a picture of the given size. The reference does not depend on either
-/// knob: it is traced once, at the first point.
+/// Shading model × tessellation. The reference does not depend on either knob: it is traced once a size.
 Sweep tessellationSweep(ShadingLab& lab, std::string name, std::string title, int width, int height,
                         const std::array<std::vector<int>, 3>& segmentsByModel) {
     Sweep sweep;
@@ -25,10 +24,11 @@ Sweep tessellationSweep(ShadingLab& lab, std::string name, std::string title, in
             sweep.points.push_back({{"shading", lab.shading.options()[model]},
                                     {"tessellation", std::to_string(segments)},
                                     {"supersample", "1"}});
+    sweep.width = width;
+    sweep.height = height;
     const auto reference = std::make_shared<Image>();
-    sweep.measure = [&lab, width, height, reference](Studio& studio) {
-        const Frame frame = studio.frame(lab, width, height);
-        if (reference->data.empty()) {
+    sweep.measure = [&lab, reference](Studio& studio, const Frame& frame) {
+        if (reference->width != frame.width || reference->height != frame.height) {
             const std::atomic<bool> never{false};
             *reference = lab.reference(frame)(never);
         }
@@ -39,7 +39,7 @@ Sweep tessellationSweep(ShadingLab& lab, std::string name, std::string title, in
         sample.secondsSpread = timing.spreadSeconds;
         sample.counters = lab.counters();
         const std::uint64_t background =
-            static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+            static_cast<std::uint64_t>(frame.width) * static_cast<std::uint64_t>(frame.height);
         sample.counters["fragments"] = studio.samplesPassed(lab, frame) - background;
         return sample;
     };

@@ -430,7 +430,7 @@ TEST(Shading10Sweeps, CountersTurnOverAndErrorsFall) {
         std::vector<double> fragmentsPerVertex;
         for (const int segments : {16, 32, 64, 128, 256}) {
             lab.tessellation.set(segments);
-            const SweepSample sample = sweep.measure(studio);
+            const SweepSample sample = sweep.measure(studio, studio.frame(lab, sweep.width, sweep.height));
             EXPECT_LT(sample.error, lastError * 1.02) << segments;
             lastError = sample.error;
             fragmentsPerVertex.push_back(static_cast<double>(sample.counters.at("fragments")) /
