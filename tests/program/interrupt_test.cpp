@@ -56,7 +56,7 @@ TEST_F(ProgramInterrupted, LongWorkStopsWithStatus130AndOneLine) {
 TEST_F(ProgramInterrupted, APictureIsWholeOrAbsentWheneverTheSignalComes) {
     const std::vector<std::string> words = {"run",    "shading", "--backend", "osmesa",
                                             "--size", "320x240", "--out",     "picture.png"};
-    for (int after = 0; after <= 600; after += 50) {
+    for (int after = 0; after <= 600; after += 100) {
         std::filesystem::remove(folder_ / "picture.png");
         const ProcessResult result = callAndStop(words, milliseconds(after));
         // Before the program is ready to hear it, the signal ends it as it ends any program.

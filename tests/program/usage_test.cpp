@@ -48,7 +48,7 @@ TEST_F(Program, NamesItsVersion) {
 
 TEST_F(Program, FindsALabByNumberNameAndFolder) {
     for (const char* name : {"10", "shading", "10_shading"})
-        EXPECT_TRUE(succeeded(call(drawingSmall({"run", name, "--out", "picture.png"})))) << name;
+        EXPECT_THAT(call({"run", name, "--help"}).out, HasSubstr("--tessellation")) << name;
 }
 
 struct WrongUse {
