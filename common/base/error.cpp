@@ -1,5 +1,7 @@
 #include "base/error.h"
 
+#include <cstdio>
+
 #include <fmt/format.h>
 
 namespace quincunx {
@@ -19,6 +21,11 @@ std::string oneLine(std::string_view what, std::string_view where, std::string_v
 
 Error::Error(std::string_view what, std::string_view where, std::string_view remedy)
     : std::runtime_error(oneLine(what, where, remedy)) {}
+
+void say(const std::string& line) noexcept {
+    std::fputs(line.c_str(), stderr);
+    std::fputc('\n', stderr);
+}
 
 std::string printable(std::string_view text, std::size_t maxLength) {
     std::string result;

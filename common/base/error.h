@@ -41,6 +41,9 @@ class Interrupted : public Error {
     Interrupted() : Error("interrupted") {}
 };
 
+/// Writes a line to stderr. Never throws: where stderr is closed or full there is nobody to tell.
+void say(const std::string& line) noexcept;
+
 /// `text` fit for one line of an error message: control characters escaped, cut after `maxLength` bytes.
 std::string printable(std::string_view text, std::size_t maxLength = 200);
 

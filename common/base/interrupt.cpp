@@ -7,10 +7,11 @@
 namespace quincunx {
 namespace {
 
-volatile std::sig_atomic_t stopRequested = 0;
+std::atomic<bool> stopRequested = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes it");
 
 extern "C" void requestStop(int) {
-    stopRequested = 1;
+    stopRequested = true;
 }
 
 }  // namespace
@@ -25,7 +26,11 @@ void handleInterrupts() {
 }
 
 bool interrupted() {
-    return stopRequested != 0;
+    return stopRequested;
+}
+
+const std::atomic<bool>& interruptFlag() {
+    return stopRequested;
 }
 
 void throwIfInterrupted() {

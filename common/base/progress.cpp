@@ -21,7 +21,7 @@ Progress::Progress(std::string title, std::size_t total)
 
 Progress::~Progress() {
     if (onTerminal_)
-        fmt::print(stderr, "\r\x1b[K");
+        std::fputs("\r\x1b[K", stderr);
 }
 
 void Progress::update(std::size_t done) {
@@ -37,8 +37,9 @@ void Progress::update(std::size_t done) {
     const double elapsed = std::chrono::duration<double>(now - start_).count();
     const double left =
         done > 0 ? elapsed * static_cast<double>(total_ - done) / static_cast<double>(done) : 0;
-    fmt::print(stderr, "\r\x1b[K{} [{:=<{}}{: <{}}] {}/{}  {:.0f} s left", title_, "", filled, "",
-               barWidth - filled, done, total_, left);
+    const std::string bar = fmt::format("\r\x1b[K{} [{:=<{}}{: <{}}] {}/{}  {:.0f} s left", title_, "",
+                                        filled, "", barWidth - filled, done, total_, left);
+    std::fputs(bar.c_str(), stderr);
     std::fflush(stderr);
 }
 

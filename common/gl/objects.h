@@ -165,7 +165,12 @@ class Query {
     template <typename Work>
     std::uint64_t count(Work&& work) const {
         glBeginQuery(target_, handle_.get());
-        work();
+        try {
+            work();
+        } catch (...) {
+            glad_glEndQuery(target_);
+            throw;
+        }
         glEndQuery(target_);
         GLuint64 result = 0;
         glGetQueryObjectui64v(handle_.get(), GL_QUERY_RESULT, &result);

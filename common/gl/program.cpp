@@ -354,7 +354,8 @@ const Program& ProgramCache::get(const ProgramFiles& files) {
     const auto same = [&](const std::unique_ptr<Program>& program) {
         const ProgramFiles& other = program->files();
         return other.vertex == files.vertex && other.fragment == files.fragment &&
-               other.geometry == files.geometry && other.defines == files.defines;
+               other.geometry == files.geometry && other.defines == files.defines &&
+               other.blocks == files.blocks;
     };
     const auto known = std::find_if(programs_.begin(), programs_.end(), same);
     if (known != programs_.end())

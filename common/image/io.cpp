@@ -231,24 +231,27 @@ Image readImage(const fs::path& file) {
     return readImageFromMemory(bytesOf(contents(file)), file.string());
 }
 
-void writeImage(const fs::path& file, const Image8& image, const ImageMetadata& metadata) {
-    checkWritable(image);
+ImageKind imageKindOf(const fs::path& file) {
     const std::string extension = extensionOf(file);
     if (extension == ".png")
+        return ImageKind::png;
+    if (extension == ".exr")
+        return ImageKind::exr;
+    refuseExtension(file);
+}
+
+void writeImage(const fs::path& file, const Image8& image, const ImageMetadata& metadata) {
+    checkWritable(image);
+    if (imageKindOf(file) == ImageKind::png)
         writePng(file, image, noteFrom(metadata, file));
-    else if (extension == ".exr")
-        writeExr(file, toLinear(image), noteFrom(metadata, file));
     else
-        refuseExtension(file);
+        writeExr(file, toLinear(image), noteFrom(metadata, file));
 }
 
 void writeImage(const fs::path& file, const Image& image, const ImageMetadata& metadata) {
     checkWritable(image);
-    const std::string extension = extensionOf(file);
-    if (extension == ".png")
+    if (imageKindOf(file) == ImageKind::png)
         writePng(file, toSrgb8(image), noteFrom(metadata, file));
-    else if (extension != ".exr")
-        refuseExtension(file);
     else if (image.encoding == Encoding::linear)
         writeExr(file, image, noteFrom(metadata, file));
     else

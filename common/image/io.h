@@ -44,6 +44,11 @@ Image readImageFromMemory(std::span<const std::byte> bytes, const std::string& n
 void writeImage(const std::filesystem::path& file, const Image8& image, const ImageMetadata& metadata = {});
 void writeImage(const std::filesystem::path& file, const Image& image, const ImageMetadata& metadata = {});
 
+/// The kind of picture that a name asks for.
+enum class ImageKind { png, exr };
+/// By the extension, in any case: .png or .exr; nothing else can be written (InputError).
+ImageKind imageKindOf(const std::filesystem::path& file);
+
 /// What `writeImage` was given; empty for pictures from elsewhere.
 ImageMetadata readMetadata(const std::filesystem::path& file);
 

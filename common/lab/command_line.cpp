@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <new>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -28,28 +29,39 @@ const char* about =
 const LabEntry* mentionedLab(std::span<const LabEntry> labs, const std::vector<std::string>& words) {
     for (const std::string& word : words)
         for (const LabEntry& entry : labs)
-            if (word == entry.name || word == entry.folder() || word == std::to_string(entry.number))
+            if (entry.isCalled(word))
                 return &entry;
     return nullptr;
 }
 
 /// Each knob as a flag; what is given is set at once, and noted in `given`.
 void addKnobs(CLI::App& command, KnobSet& knobs, KnobValues& given) {
-    for (Knob* knob : knobs.all()) {
-        const bool isSwitch = dynamic_cast<BoolKnob*>(knob) != nullptr;
-        CLI::Option* option = command.add_option_function<std::string>(
-            "--" + knob->name(),
-            [knob, isSwitch, &given](const std::string& text) {
-                knob->parse(isSwitch && text.empty() ? "on" : text);
-                given.emplace_back(knob->name(), knob->text());
-            },
-            knob->help());
-        if (isSwitch)
-            option->expected(0, 1);
-        option->type_name(knob->allowed() + (knob->unit().empty() ? "" : " " + knob->unit()));
-        option->default_str(knob->defaultText());
-        option->group("Knobs");
-    }
+    for (Knob* knob : knobs.all())
+        command
+            .add_option_function<std::string>(
+                "--" + knob->name(),
+                [knob, &given](const std::string& text) {
+                    knob->parse(text);
+                    given.emplace_back(knob->name(), knob->text());
+                },
+                knob->help())
+            ->type_name(knob->allowed() + (knob->unit().empty() ? "" : " " + knob->unit()))
+            ->default_str(knob->defaultText())
+            ->group("Knobs");
+}
+
+/// `--mirror` alone means `--mirror=on`, whatever word comes next but a value.
+void completeSwitches(std::vector<std::string>& words, const KnobSet& knobs) {
+    static constexpr std::array<std::string_view, 6> values = {"on", "off", "true", "false", "1", "0"};
+    for (std::size_t i = 0; i < words.size(); ++i)
+        for (const Knob* knob : knobs.all()) {
+            const bool bare =
+                dynamic_cast<const BoolKnob*>(knob) != nullptr && words[i] == "--" + knob->name();
+            const bool valued =
+                i + 1 < words.size() && std::find(values.begin(), values.end(), words[i + 1]) != values.end();
+            if (bare && !valued)
+                words[i] += "=on";
+        }
 }
 
 /// A number in [min, max]; InputError naming the flag otherwise, also for NaN.
@@ -141,9 +153,15 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     };
     // Reports an unknown lab, and words after a known one that another lab's name had hidden.
     const auto chosen = [&]() -> const LabEntry& {
-        return mentioned != nullptr ? *mentioned : findLab(labs, labName);
+        if (only != nullptr)
+            return *only;
+        const LabEntry& entry = findLab(labs, labName);
+        if (&entry != mentioned)
+            throw InputError(
+                fmt::format("two labs are named, {} and {}", mentioned->folder(), entry.folder()), {},
+                "name the lab right after the verb");
+        return entry;
     };
-
     bool listJson = false;
     CLI::App* listCommand = app.add_subcommand("list", "The labs, their topics and their questions");
     listCommand->add_flag("--json", listJson, "Machine-readable");
@@ -240,6 +258,8 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     compareCommand->callback([&] { status = compare(compareOptions); });
 
     try {
+        if (lab)
+            completeSwitches(words, lab->knobs());
         std::reverse(words.begin(), words.end());
         app.parse(words);
         if (app.get_subcommands().empty())
@@ -263,13 +283,16 @@ int guarded(const std::function<int()>& program) {
         print({});
         return status;
     } catch (const Interrupted& e) {
-        fmt::print(stderr, "quincunx: {}\n", e.what());
+        say(fmt::format("quincunx: {}", e.what()));
         return interruptedStatus;
     } catch (const Error& e) {
-        fmt::print(stderr, "quincunx: {}\n", e.what());
+        say(fmt::format("quincunx: {}", e.what()));
         return static_cast<int>(e.exitStatus());
+    } catch (const std::system_error& e) {
+        say(fmt::format("quincunx: {}", printable(e.what())));
+        return static_cast<int>(ExitStatus::notPossibleHere);
     } catch (const std::bad_alloc&) {
-        std::fputs("quincunx: not enough memory; use a smaller picture or model\n", stderr);
+        say("quincunx: not enough memory; use a smaller picture or model");
         return static_cast<int>(ExitStatus::notPossibleHere);
     }
 }

@@ -41,6 +41,10 @@ Lab::ReferenceJob Lab::reference(const Frame&) const {
     return {};
 }
 
+bool LabEntry::isCalled(std::string_view word) const {
+    return word == name || word == folder() || word == std::to_string(number);
+}
+
 std::string LabEntry::folder() const {
     return fmt::format("{:02}_{}", number, name);
 }

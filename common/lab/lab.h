@@ -114,7 +114,8 @@ class Lab {
     const KnobSet& knobs() const { return knobs_; }
 
     /// Adds the passes of a frame; one of them writes the resource that is returned, the picture, of
-    /// `frame.pictureFormat` and size. Called for every frame, with the context current.
+    /// `frame.pictureFormat` and size. Called for every frame, with the same context current: a lab belongs
+    /// to the first context that draws it.
     virtual graph::Resource build(graph::FrameGraph& graph, const Frame& frame) = 0;
 
     /// True if `useScene` may be called (`--model`).
@@ -154,6 +155,8 @@ struct LabEntry {
     std::unique_ptr<Lab> (*make)() = nullptr;
 
     std::string folder() const;  ///< "10_shading"
+    /// True for its number, its name and its folder.
+    bool isCalled(std::string_view word) const;
 };
 
 /// Whole program: understands the command line, does what it says, returns the exit status.

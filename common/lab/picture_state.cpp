@@ -1,8 +1,12 @@
 #include "lab/picture_state.h"
 
+#include <cctype>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
+#include <glm/gtc/matrix_access.hpp>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -29,20 +33,57 @@ Json toJson(const Camera& camera) {
     return json;
 }
 
+/// A whole number in [min, max].
+template <typename Integer>
+Integer parseInteger(const Json& json, const char* key, Integer min, Integer max) {
+    const Json& value = json.at(key);
+    const bool fits = value.is_number_unsigned()
+                          ? value.get<std::uint64_t>() <= static_cast<std::uint64_t>(max) &&
+                                value.get<std::uint64_t>() >= static_cast<std::uint64_t>(min)
+                          : false;
+    if (!fits)
+        throw InputError(fmt::format("{} is not a whole number from {} to {}", key, min, max));
+    return value.get<Integer>();
+}
+
+/// A number that float can hold.
+float parseFloat(const Json& json) {
+    const double value = json.get<double>();
+    if (!(std::abs(value) <= std::numeric_limits<float>::max()))
+        throw InputError("a number of the camera is too large");
+    return static_cast<float>(value);
+}
+
+/// True if the upper 3×3 block is a rotation but for the rounding of its entries to float, and the last row
+/// (0,0,0,1): entries within 2^-24 of a rotation's move the products of columns by 2 √3 2^-24 at most, and
+/// what made them may have rounded as often again.
+bool isRigid(const glm::mat4& m) {
+    constexpr double tolerance = 4 * 1.7320508 * 0x1p-24;
+    const glm::dmat3 rotation(m);
+    const glm::dmat3 product = glm::transpose(rotation) * rotation;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (!(std::abs(product[i][j] - (i == j ? 1 : 0)) <= tolerance))
+                return false;
+    return glm::determinant(rotation) > 0 && glm::row(m, 3) == glm::vec4(0, 0, 0, 1);
+}
+
 Camera parseCamera(const Json& json) {
     Camera camera;
     const Json& columns = json.at("world_from_camera");
     if (!columns.is_array() || columns.size() != 16)
         throw InputError("world_from_camera is not a list of 16 numbers");
     for (int i = 0; i < 16; ++i)
-        camera.worldFromCamera[i / 4][i % 4] = columns[static_cast<std::size_t>(i)].get<float>();
-    camera.fovYRadians = json.at("fov_y_radians").get<float>();
-    camera.nearDistance = json.at("near").get<float>();
-    camera.farDistance = json.value("far", std::numeric_limits<float>::infinity());
-    const bool sane = camera.fovYRadians > 0 && camera.fovYRadians < 3.14159f && camera.nearDistance > 0 &&
+        camera.worldFromCamera[i / 4][i % 4] = parseFloat(columns[static_cast<std::size_t>(i)]);
+    camera.fovYRadians = parseFloat(json.at("fov_y_radians"));
+    camera.nearDistance = parseFloat(json.at("near"));
+    camera.farDistance =
+        json.contains("far") ? parseFloat(json.at("far")) : std::numeric_limits<float>::infinity();
+    const bool sane = camera.fovYRadians > 0 && camera.fovYRadians < std::numbers::pi_v<float> &&
+                      isRigid(camera.worldFromCamera) && camera.nearDistance > 0 &&
                       camera.farDistance > camera.nearDistance;
     if (!sane)
-        throw InputError("the camera's angle or distances make no sense");
+        throw InputError("the camera's frame, angle or distances make no sense");
     return camera;
 }
 
@@ -71,16 +112,16 @@ PictureState parsePictureState(std::string_view text, std::string_view where) {
         state.lab = json.at("lab").get<std::string>();
         state.model = json.value("model", "");
         state.renderer = json.value("renderer", "");
-        state.frame.width = json.at("width").get<int>();
-        state.frame.height = json.at("height").get<int>();
+        state.frame.width = parseInteger(json, "width", 1, maxPictureSide);
+        state.frame.height = parseInteger(json, "height", 1, maxPictureSide);
         state.frame.timeSeconds = json.value("time_seconds", 0.0);
-        state.frame.seed = json.value("seed", std::uint64_t{1});
+        state.frame.seed =
+            parseInteger(json, "seed", std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max());
         state.frame.camera = parseCamera(json.at("camera"));
         for (const auto& [name, value] : json.at("knobs").items())
             state.knobs.emplace_back(name, value.get<std::string>());
-        const auto sane = [](int side) { return side >= 1 && side <= maxPictureSide; };
-        if (!sane(state.frame.width) || !sane(state.frame.height) || !std::isfinite(state.frame.timeSeconds))
-            throw InputError("the picture's size or time makes no sense");
+        if (!std::isfinite(state.frame.timeSeconds))
+            throw InputError("the time is not finite");
         return state;
     } catch (const Json::exception& e) {
         throw InputError(fmt::format("is no record of a picture ({})", printable(e.what(), 120)), where,
@@ -91,7 +132,10 @@ PictureState parsePictureState(std::string_view text, std::string_view where) {
 }
 
 PictureState readPictureState(const std::filesystem::path& file) {
-    if (file.extension() == ".png" || file.extension() == ".exr") {
+    std::string extension = file.extension().string();
+    for (char& c : extension)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (extension == ".png" || extension == ".exr") {
         for (const auto& [key, value] : readMetadata(file))
             if (key == pictureStateKey)
                 return parsePictureState(value, file.string());

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/interrupt.h"
 
 namespace quincunx {
 namespace {
@@ -58,7 +59,12 @@ std::string legend(const SweepResult& result) {
             constant.push_back(fmt::format("{}={}", knobs[i].first, knobs[i].second));
         else
             varying.push_back(knobs[i].first);
-    return fmt::format("at the points: {}; {}", fmt::join(varying, ", "), fmt::join(constant, ", "));
+    std::string text;
+    if (!varying.empty())
+        text = fmt::format("at the points: {}", fmt::join(varying, ", "));
+    if (!constant.empty())
+        text += fmt::format("{}{}", text.empty() ? "" : "; ", fmt::join(constant, ", "));
+    return text;
 }
 
 /// Zero errors have no place on a logarithmic axis: they are drawn a decade below the smallest other one.
@@ -150,6 +156,7 @@ void writePlotSvg(const SweepResult& result, const std::filesystem::path& file) 
         const std::string text = script(result, temporary);
         std::fwrite(text.data(), 1, text.size(), gnuplot);
         const int status = pclose(gnuplot);
+        throwIfInterrupted();
         std::error_code error;
         if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
             throw EnvironmentError("gnuplot is missing", {}, "install gnuplot-nox");

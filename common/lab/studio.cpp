@@ -8,13 +8,19 @@
 
 namespace quincunx {
 
-Studio::~Studio() = default;
+Studio::~Studio() {
+    if (context_)
+        context_->makeCurrent();
+    executor_.reset();
+}
 
 gl::Context& Studio::context() {
-    if (!context_) {
-        context_ = gl::createOffscreenContext(backend_);
-        executor_ = std::make_unique<gl::Executor>();
+    if (context_) {
+        context_->makeCurrent();
+        return *context_;
     }
+    context_ = gl::createOffscreenContext(backend_);
+    executor_ = std::make_unique<gl::Executor>();
     return *context_;
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/check.h"
 #include "base/progress.h"
 
 namespace quincunx {
@@ -34,6 +35,7 @@ std::string csvField(std::string_view text) {
 
 SweepResult runSweep(Lab& lab, const LabEntry& entry, const Sweep& sweep, Studio& studio,
                      const Frame& frame) {
+    QX_CHECK(!sweep.points.empty());
     const KnobScope scope(lab.knobs());
     SweepResult result{entry.folder(), sweep.name,      sweep.title, sweep.reference,
                        sweep.metric,   sweep.errorUnit, {},          {}};

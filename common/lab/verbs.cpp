@@ -46,6 +46,10 @@ Json toJson(const KnobValues& knobs) {
     return json;
 }
 
+float aspectOf(const Frame& frame) {
+    return static_cast<float>(frame.width) / static_cast<float>(frame.height);
+}
+
 Frame makeFrame(const Lab& lab, const DrawOptions& options, bool window) {
     Frame frame;
     frame.width = options.width.value_or(window ? defaultWindowWidth : defaultWidth);
@@ -61,7 +65,7 @@ void loadModel(Lab& lab, const std::string& model) {
         return;
     ImportedScene imported = importScene(model);
     for (const std::string& warning : imported.warnings)
-        fmt::print(stderr, "warning: {}: {}\n", printable(model), printable(warning));
+        say(fmt::format("warning: {}: {}", printable(model), printable(warning)));
     lab.useScene(std::move(imported.scene));
 }
 
@@ -112,6 +116,7 @@ std::string figureText(double value) {
 }  // namespace
 
 void print(std::string_view text) {
+    errno = 0;
     const bool written =
         std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
     if (written)
@@ -124,7 +129,7 @@ void print(std::string_view text) {
 const LabEntry& findLab(std::span<const LabEntry> labs, std::string_view name) {
     std::vector<std::string> names;
     for (const LabEntry& entry : labs) {
-        if (name == entry.name || name == entry.folder() || name == std::to_string(entry.number))
+        if (entry.isCalled(name))
             return entry;
         names.push_back(entry.folder());
     }
@@ -149,8 +154,17 @@ void list(std::span<const LabEntry> labs, bool json) {
 
 void run(Lab& lab, const LabEntry& entry, RunOptions options) {
     DrawOptions& draw = options.draw;
+    const bool offscreenWanted = !draw.out.empty() || draw.json;
+    if (draw.backend == gl::Backend::window && offscreenWanted)
+        throw InputError("a window writes no file and prints no figures", draw.json ? "--json" : "--out",
+                         "leave it out, or choose another --backend");
     const bool window = draw.backend == gl::Backend::window || (draw.backend == gl::Backend::automatic &&
-                                                                draw.out.empty() && gl::displayAvailable());
+                                                                !offscreenWanted && gl::displayAvailable());
+    const std::filesystem::path file = draw.out.empty() ? "out/" + entry.folder() + ".png" : draw.out;
+    const bool floatingPoint = imageKindOf(file) == ImageKind::exr;
+    if (!options.record.empty() &&
+        std::filesystem::weakly_canonical(options.record) == std::filesystem::weakly_canonical(file))
+        throw InputError("is the picture's own name", options.record, "give --record another file");
     PictureState state;
     if (!options.replay.empty()) {
         state = readPictureState(options.replay);
@@ -160,10 +174,17 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
         if (draw.model.empty())
             draw.model = state.model;
         loadModel(lab, draw.model);
-        lab.knobs().set(state.knobs);
+        try {
+            lab.knobs().set(state.knobs);
+        } catch (const InputError& e) {
+            throw InputError(e.what(), options.replay);
+        }
         lab.knobs().set(options.knobs);
-        state.frame.width = draw.width.value_or(state.frame.width);
-        state.frame.height = draw.height.value_or(state.frame.height);
+        if (draw.width) {
+            state.frame.width = *draw.width;
+            state.frame.height = draw.height.value();
+            state.frame.camera = fittedToAspect(state.frame.camera, aspectOf(state.frame));
+        }
         state.frame.seed = draw.seed.value_or(state.frame.seed);
     } else {
         loadModel(lab, draw.model);
@@ -180,8 +201,6 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
 
     preloadImageIo();
     Studio studio(draw.backend);
-    const std::filesystem::path file = draw.out.empty() ? "out/" + entry.folder() + ".png" : draw.out;
-    const bool floatingPoint = file.extension() == ".exr";
     if (floatingPoint)
         state.frame.pictureFormat = graph::Format::rgba32f;
     warmUp(studio, lab, state.frame);
@@ -276,6 +295,7 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
     const std::filesystem::path folder = options.draw.out.empty() ? "out" : options.draw.out;
     const std::vector<Sweep> sweeps = lab.sweeps();
     std::vector<std::string> names;
+    names.reserve(sweeps.size());
     for (const Sweep& sweep : sweeps)
         names.push_back(sweep.name);
     if (!options.only.empty() && std::find(names.begin(), names.end(), options.only) == names.end())
@@ -304,11 +324,9 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
         Json points = Json::array();
         for (std::size_t i = 0; i < result.points.size(); ++i) {
             const SweepPoint& point = result.points[i];
-            Json row{{"knobs", toJson(point.knobs)},
-                     {"error", point.sample.error},
-                     {"seconds", point.sample.seconds},
-                     {"counters", point.sample.counters},
-                     {"pareto", point.pareto}};
+            Json row{{"knobs", toJson(point.knobs)},      {"error", point.sample.error},
+                     {"seconds", point.sample.seconds},   {"seconds_spread", point.sample.secondsSpread},
+                     {"counters", point.sample.counters}, {"pareto", point.pareto}};
             if (choose)
                 row["chosen"] = i == choice.value_or(result.points.size());
             points.push_back(row);
@@ -340,7 +358,7 @@ ExitStatus stress(Lab& lab, const LabEntry& entry, const StressOptions& options)
     const std::uint64_t inputs = options.full ? fullInputs : quickInputs;
     const std::vector<HardCase> cases = lab.hardCases();
     Json array = Json::array();
-    std::string text = fmt::format("{}\n\n  {:<22} {:<46} {:>9} {:>11} {:>11} {:>9}  {}\n", entry.folder(),
+    std::string text = fmt::format("{}\n\n  {:<14} {:<54} {:>9} {:>11} {:>11} {:>9}  {}\n", entry.folder(),
                                    "routine", "hard input", "inputs", "naive", "stable", "bound", "");
     bool pass = true;
     Progress progress(entry.folder() + " stress", std::max<std::size_t>(cases.size(), 1));
@@ -358,7 +376,7 @@ ExitStatus stress(Lab& lab, const LabEntry& entry, const StressOptions& options)
                          {"bound", hardCase.bound},
                          {"pass", holds}});
         text +=
-            fmt::format("  {:<22} {:<46} {:>9} {:>11.4g} {:>11.4g} {:>9.3g}  {}{}\n", hardCase.routine,
+            fmt::format("  {:<14} {:<54} {:>9} {:>11.4g} {:>11.4g} {:>9.3g}  {}{}\n", hardCase.routine,
                         hardCase.hardInput, result.inputs, result.naiveError, result.stableError,
                         hardCase.bound, hardCase.unit, holds ? "" : "  FELL SHORT at " + result.worstInput);
         progress.update(++done);
@@ -368,21 +386,30 @@ ExitStatus stress(Lab& lab, const LabEntry& entry, const StressOptions& options)
 }
 
 ExitStatus compare(const CompareOptions& options) {
-    const Image8 first = readImage8(options.first);
-    const Image8 second = readImage8(options.second);
-    const Comparison comparison = compareImages(first, second, options.metric);
-    if (!options.out.empty())
-        writeImage(options.out, errorMap(comparison.perPixel));
     if (options.maxError && higherIsBetter(options.metric))
         throw InputError(fmt::format("{} grows with likeness", metricName(options.metric)), "--max-error",
                          "use it with rmse or flip");
+    const std::filesystem::path map(
+        !options.out.empty()
+            ? options.out
+            : fmt::format("out/{}_{}_{}.png", std::filesystem::path(options.first).stem().string(),
+                          std::filesystem::path(options.second).stem().string(), metricName(options.metric)));
+    imageKindOf(map);
+    for (const std::string& input : {options.first, options.second})
+        if (std::filesystem::weakly_canonical(input) == std::filesystem::weakly_canonical(map))
+            throw InputError("is one of the pictures to compare", map.string(), "give --out another file");
+    const Image8 first = readImage8(options.first);
+    const Image8 second = readImage8(options.second);
+    const Comparison comparison = compareImages(first, second, options.metric);
+    writeImage(map, errorMap(comparison.perPixel));
     if (options.json)
         print(dump({{"reference", options.first},
                     {"test", options.second},
                     {"metric", metricName(options.metric)},
-                    {"value", comparison.value}}));
+                    {"value", comparison.value},
+                    {"map", map.string()}}));
     else
-        print(fmt::format("{} {:.6f}\n", metricName(options.metric), comparison.value));
+        print(fmt::format("{} {:.6f}\n{}\n", metricName(options.metric), comparison.value, map.string()));
     return options.maxError && !(comparison.value <= *options.maxError) ? ExitStatus::checkFellShort
                                                                         : ExitStatus::ok;
 }

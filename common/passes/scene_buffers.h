@@ -95,12 +95,12 @@ class SceneBuffers {
     };
     gl::Buffer vertices_;
     gl::Buffer indices_;
+    FrameBlock frame_;  ///< before the buffer that is made from it
     gl::Buffer frameBuffer_;
     gl::Buffer objectBuffer_;
     gl::VertexArray vertexArray_;
     std::vector<gl::Texture2D> textures_;
     std::vector<Draw> draws_;
-    FrameBlock frame_;
     std::vector<ObjectBlock> objects_;
     std::uint64_t vertexCount_ = 0;
     std::uint64_t triangleCount_ = 0;

@@ -150,6 +150,8 @@ class GltfReader {
             material.alphaMode = Material::AlphaMode::mask;
         else if (alphaMode == "BLEND")
             material.alphaMode = Material::AlphaMode::blend;
+        if (material.alphaMode == Material::AlphaMode::blend)
+            warnings_.add("blended surfaces are drawn opaque");
         material.alphaCutoff = static_cast<float>(std::max(json.numberOr("alphaCutoff", 0.5), 0.0));
         material.doubleSided = json.booleanOr("doubleSided", false);
         fillPhongFromMetallicRoughness(material);
@@ -601,6 +603,8 @@ class GltfReader {
             light.color = glm::vec3(glm::max(glm::dvec3((*color)[0], (*color)[1], (*color)[2]), 0.0));
         constexpr double pi = 3.14159265358979323846;
         light.intensity = static_cast<float>(std::max(json.numberOr("intensity", 1), 0.0) / pi);
+        if (json.has("range"))
+            warnings_.add("ranges of lights are not drawn");
         light.range = static_cast<float>(std::max(json.numberOr("range", 0), 0.0));
         if (const auto spot = json.find("spot")) {
             const double outer = std::clamp(spot->numberOr("outerConeAngle", pi / 4), 0.0, pi / 2);

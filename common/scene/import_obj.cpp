@@ -486,9 +486,8 @@ class ObjReader {
             if (!path || !std::filesystem::is_regular_file(*path, error))
                 continue;
             found = true;
-            if (librariesRead_.contains(path->string()))
+            if (!libraryFilesRead_.insert(path->string()).second)
                 continue;
-            librariesRead_.insert(path->string());
             readMaterials(readFile(*path, largestLibrary));
             if (i == 0)
                 break;
@@ -827,8 +826,10 @@ class ObjReader {
         material.shininess = finite(source.shininess, 0, 1e5f, 32);
         const float opacity = finite(source.dissolve, 0, 1, 1);
         material.baseColor = glm::vec4(material.diffuse, opacity);
-        if (opacity < 1)
+        if (opacity < 1) {
             material.alphaMode = Material::AlphaMode::blend;
+            warnings_.add("blended surfaces are drawn opaque");
+        }
         material.metallic = finite(source.metallic, 0, 1, 0);
         // 0 is what tinyobjloader gives where the file says nothing.
         const float roughness = finite(source.roughness, 0, 1, 0);
@@ -874,6 +875,7 @@ class ObjReader {
     bool normalsMissing_ = false;
 
     std::set<std::string> librariesRead_;
+    std::set<std::string> libraryFilesRead_;
     std::vector<tinyobj::material_t> library_;
     std::vector<bool> hasAmbient_;
     std::unordered_map<std::string, std::uint32_t> materialIndices_;

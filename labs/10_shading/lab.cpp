@@ -4,8 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "base/error.h"
 #include "image/filter.h"
 #include "math/transform.h"
 #include "passes/downsample.h"
@@ -14,6 +16,8 @@
 namespace quincunx {
 
 namespace {
+
+constexpr int maxFineSide = 16384;  // texels that drivers of OpenGL 3.3 and newer hold along a side
 
 /// Where `compare` shows one of the three models, in pixels of the drawn picture, and how.
 struct Column {
@@ -78,6 +82,11 @@ PhongModel ShadingLab::model() const {
     return {reflection.as<PhongModel::Reflection>(), ambient, diffuse, specular, emission};
 }
 
+float ShadingLab::scaledShininess(const Material& material) const {
+    constexpr float most = 1e5f;  // what the shaders' bound on cosine powers is derived for
+    return std::min(material.shininess * shininessScale, most);
+}
+
 std::vector<Light> ShadingLab::turnedLights() const {
     std::vector<Light> lights = builtIn_ ? stillLife_.lights : scene_.lights;
     const glm::mat3 turn(glm::rotate(glm::mat4(1), glm::radians(static_cast<float>(lightTurn)), {0, 1, 0}));
@@ -114,7 +123,7 @@ std::vector<ObjectBlock> ShadingLab::objectBlocks() const {
         material.diffuse *= diffuse ? 1 : 0;
         material.specular *= specular ? 1 : 0;
         material.emission *= emission ? 1 : 0;
-        material.shininess *= shininessScale;
+        material.shininess = scaledShininess(material);
         const glm::mat4 worldFromModel = worldFromScene() * instance.worldFromModel;
         blocks.push_back(makeObjectBlock(material, worldFromModel));
         const glm::mat3 chosen = normals.as<Normals>() == Normals::model ? glm::mat3(worldFromModel)
@@ -131,12 +140,19 @@ std::vector<ObjectBlock> ShadingLab::objectBlocks() const {
 graph::Resource ShadingLab::build(graph::FrameGraph& graph, const Frame& frame) {
     prepareScene();
     const int factor = supersample;
+    if (factor > 1 && std::max(frame.width, frame.height) > maxFineSide / factor)
+        throw InputError(
+            fmt::format("{}x{} with {} samples along a side is too large", frame.width, frame.height, factor),
+            "--supersample",
+            fmt::format("give --supersample=1, or a size of at most {}", maxFineSide / factor));
     const graph::Resource picture =
         graph.addResource({"picture", frame.pictureFormat, frame.width, frame.height});
-    const graph::Resource shaded = factor == 1
-                                       ? picture
-                                       : graph.addResource({"shaded", graph::Format::rgba16f,
-                                                            frame.width * factor, frame.height * factor});
+    // Measured pictures keep all bits on the way; for people, half floats hold more than 8 bits can show.
+    const graph::Format fineFormat =
+        frame.pictureFormat == graph::Format::rgba32f ? graph::Format::rgba32f : graph::Format::rgba16f;
+    const graph::Resource shaded =
+        factor == 1 ? picture
+                    : graph.addResource({"shaded", fineFormat, frame.width * factor, frame.height * factor});
     const graph::Resource depth =
         graph.addResource({"depth", graph::Format::depth32f, frame.width * factor, frame.height * factor});
     graph.addPass({.name = "shade",
@@ -193,7 +209,7 @@ Lab::ReferenceJob ShadingLab::reference(const Frame& frame) const {
     StillLife exact = stillLife_;
     exact.lights = turnedLights();
     for (StillLife::Object& object : exact.objects)
-        object.material.shininess *= shininessScale;
+        object.material.shininess = scaledShininess(object.material);
     const auto trace = [exact, model = model(), placement = worldFromScene()](
                            const Camera& camera, int width, int height, const std::atomic<bool>& stop) {
         return traceReference(exact, camera, width, height, model, placement, &stop);

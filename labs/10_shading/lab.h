@@ -74,6 +74,7 @@ class ShadingLab final : public Lab {
     /// The scene's placement in the world after the shear and mirror knobs.
     glm::mat4 worldFromScene() const;
     PhongModel model() const;
+    float scaledShininess(const Material& material) const;
     void prepareScene();
     std::optional<SceneBuffers>& buffersFor(ShadingModel model);
     std::vector<ObjectBlock> objectBlocks() const;

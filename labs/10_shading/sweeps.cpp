@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/interrupt.h"
 #include "image/compare.h"
 #include "lab/studio.h"
 #include "labs/10_shading/lab.h"
@@ -29,8 +30,7 @@ Sweep tessellationSweep(ShadingLab& lab, std::string name, std::string title, in
     const auto reference = std::make_shared<Image>();
     sweep.measure = [&lab, reference](Studio& studio, const Frame& frame) {
         if (reference->width != frame.width || reference->height != frame.height) {
-            const std::atomic<bool> never{false};
-            *reference = lab.reference(frame)(never);
+            *reference = lab.reference(frame)(interruptFlag());
         }
         SweepSample sample;
         sample.error = rmse(*reference, studio.linearPicture(lab, frame));

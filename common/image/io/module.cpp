@@ -155,6 +155,8 @@ bool encodeExr(const Image& image, const std::string& note, std::vector<unsigned
         spec.channelnames = {"Y", "A"};
     spec.attribute("oiio:ColorSpace", "Linear");
     spec.attribute("compression", "zip");
+    // The same picture is the same file: no time of writing.
+    spec.attribute("DateTime", "1970:01:01 00:00:00");
     return encode("openexr", std::move(spec), image, note, bytes, error);
 }
 
