@@ -324,9 +324,11 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
         Json points = Json::array();
         for (std::size_t i = 0; i < result.points.size(); ++i) {
             const SweepPoint& point = result.points[i];
-            Json row{{"knobs", toJson(point.knobs)},      {"error", point.sample.error},
-                     {"seconds", point.sample.seconds},   {"seconds_spread", point.sample.secondsSpread},
-                     {"counters", point.sample.counters}, {"pareto", point.pareto}};
+            Json row{{"knobs", toJson(point.knobs)},
+                     {"error", point.sample.error},
+                     {"seconds", point.sample.seconds},
+                     {"counters", point.sample.counters},
+                     {"pareto", point.pareto}};
             if (choose)
                 row["chosen"] = i == choice.value_or(result.points.size());
             points.push_back(row);

@@ -38,6 +38,21 @@ TEST_P(ProgramModels, ThatAreUnusableAreNamedInOneLine) {
     EXPECT_THAT(leftBehind(), ElementsAre(GetParam().name));
 }
 
+using ProgramFolders = Program;
+
+TEST_F(ProgramFolders, ModelsNamedWithoutAFolderKeepTheirMaterials) {
+    folder_.file("red.mtl", "newmtl red\nKd 1 0 0\n");
+    folder_.file("red.obj", "mtllib red.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+    const ProcessResult bare =
+        call(drawingSmall({"run", "shading", "--model", "red.obj", "--out", "bare.png"}));
+    EXPECT_TRUE(succeeded(bare));
+    EXPECT_THAT(bare.err, testing::IsEmpty());
+    EXPECT_TRUE(
+        succeeded(call(drawingSmall({"run", "shading", "--model", "./red.obj", "--out", "path.png"}))));
+    EXPECT_THAT(call({"compare", "bare.png", "path.png", "--metric", "rmse"}).out,
+                HasSubstr("rmse 0.000000"));
+}
+
 std::string nested(std::size_t depth) {
     return std::string(depth, '[');
 }

@@ -173,5 +173,27 @@ TEST_F(ProgramLoading, OfDriversIsLeftToThoseWhoDraw) {
     EXPECT_THAT(librariesOf(drawingSmall({"run", "shading"})), HasSubstr("libOSMesa"));
 }
 
+TEST_F(Program, SwitchesNeedNoValueWhateverFollows) {
+    const auto mirrored = [&](std::vector<std::string> words) {
+        words.insert(words.end(), {"--json"});
+        return call(drawingSmall(words)).out;
+    };
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"run", "shading", "--mirror"},
+                                               {"run", "--mirror", "shading"},
+                                               {"run", "shading", "--mirror", "on"}})
+        EXPECT_THAT(mirrored(words), testing::HasSubstr("\"mirror\": \"on\""));
+    EXPECT_THAT(mirrored({"run", "shading", "--mirror", "off"}), testing::HasSubstr("\"mirror\": \"off\""));
+}
+
+TEST_F(Program, EndsWithItsStatusWhereStderrIsClosedOrFull) {
+    for (const char* script : {"\"$@\" 2>&-", "\"$@\" 2>/dev/full"})
+        EXPECT_EQ(callInShell(script, {"run", "shading", "--shear=9"}).exitStatus, 2) << script;
+}
+
+TEST_F(Program, TellsTwoLabsApart) {
+    EXPECT_TRUE(failedWith(call({"run", "foo", "--seed", "10"}), 2, "foo"));
+}
+
 }  // namespace
 }  // namespace quincunx::test

@@ -282,7 +282,8 @@ TEST(Obj, ReadsMaterialsAndMakesOneMeshOfEach) {
                                      "vt 0 0\nusemtl wood\nf 1/1 2/1 3/1\nusemtl glass\nf 1 3 4\n"
                                      "usemtl wood\nf 1/1 2/1 4/1\nusemtl other\nf 2 3 4\n");
     const ImportedScene imported = importScene(file);
-    EXPECT_THAT(imported.warnings, testing::UnorderedElementsAre(HasSubstr("other"), HasSubstr("bump maps")));
+    EXPECT_THAT(imported.warnings, testing::UnorderedElementsAre(HasSubstr("other"), HasSubstr("bump maps"),
+                                                                 HasSubstr("blended")));
     const Scene& scene = imported.scene;
     ASSERT_EQ(scene.meshes.size(), 3u);
     EXPECT_EQ(scene.meshes[0].triangleCount(), 2u);
