@@ -183,9 +183,6 @@ void DeleteTexture::operator()(GLuint name) const {
 void DeleteFramebuffer::operator()(GLuint name) const {
     deleteQuietly([&] { glDeleteFramebuffers(1, &name); });
 }
-void DeleteRenderbuffer::operator()(GLuint name) const {
-    deleteQuietly([&] { glDeleteRenderbuffers(1, &name); });
-}
 void DeleteProgram::operator()(GLuint name) const {
     detail::forgetProgram(name);
     deleteQuietly([&] { glDeleteProgram(name); });

@@ -50,9 +50,6 @@ struct DeleteTexture {
 struct DeleteFramebuffer {
     void operator()(GLuint name) const;
 };
-struct DeleteRenderbuffer {
-    void operator()(GLuint name) const;
-};
 struct DeleteProgram {
     void operator()(GLuint name) const;
 };

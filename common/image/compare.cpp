@@ -268,6 +268,20 @@ double rmse(const Image& reference, const Image& test) {
     return std::sqrt(sum / compared.count() / static_cast<double>(reference.pixelCount()));
 }
 
+Image differenceMap(const Image& reference, const Image& test) {
+    requireSameShape(reference, test);
+    const Channels compared(reference, test);
+    Image map(reference.width, reference.height, 1, Encoding::linear);
+    for (int y = 0; y < reference.height; ++y)
+        for (int x = 0; x < reference.width; ++x) {
+            const double mean = squaredDifference<double>(reference, test, x, y, compared) /
+                                static_cast<double>(compared.count());
+            *map.pixel(x, y) = std::isfinite(mean) ? static_cast<float>(std::sqrt(mean))
+                                                   : std::numeric_limits<float>::infinity();
+        }
+    return map;
+}
+
 double psnr(const Image8& reference, const Image8& test) {
     return decibels(meanSquare(reference, test));
 }

@@ -64,6 +64,10 @@ struct Comparison {
 
 Comparison compareImages(const Image8& reference, const Image8& test, Metric metric);
 
+/// One channel: the root of the mean squared difference of the channels of each pixel, infinite where a value
+/// is not finite. What `rmse` sums up.
+Image differenceMap(const Image& reference, const Image& test);
+
 /// The map as colours for people: 0 black, through violet, red and orange to light yellow at `maximum` and
 /// above; NaN is cyan. CIELAB lightness rises evenly, so that it reads in grey too.
 Image8 errorMap(const Image& perPixel, float maximum = 1);

@@ -118,8 +118,7 @@ class Lab {
     /// to the first context that draws it.
     virtual graph::Resource build(graph::FrameGraph& graph, const Frame& frame) = 0;
 
-    /// True if `useScene` may be called (`--model`).
-    virtual bool takesModels() const { return false; }
+    /// Draws this scene from now on (`--model`). InputError from labs that draw their own only.
     virtual void useScene(Scene scene);
     /// The camera at the start.
     virtual Camera defaultCamera() const = 0;

@@ -81,11 +81,6 @@ void LiveError::cancel() {
     stop_ = true;
 }
 
-bool LiveError::busy() const {
-    const std::lock_guard lock(mutex_);
-    return waiting_.has_value() || (running_ && !stop_);
-}
-
 std::optional<LiveError::Result> LiveError::take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(result_, std::nullopt);

@@ -33,7 +33,6 @@ class LiveError {
     /// Compares `picture` (linear light, RGBA) with what `job` makes.
     void start(Lab::ReferenceJob job, Image picture);
     void cancel();
-    bool busy() const;
     /// The result of the last `start`, once.
     std::optional<Result> take();
 

@@ -1,6 +1,7 @@
 #include "lab/verbs.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -17,6 +18,7 @@
 #include "base/interrupt.h"
 #include "base/progress.h"
 #include "gl/window.h"
+#include "image/color.h"
 #include "image/io.h"
 #include "lab/picture_state.h"
 #include "lab/plot.h"
@@ -387,6 +389,38 @@ ExitStatus stress(Lab& lab, const LabEntry& entry, const StressOptions& options)
     return pass ? ExitStatus::ok : ExitStatus::checkFellShort;
 }
 
+namespace {
+
+/// Files that hold linear light, which 8-bit codes would cut off at 1.
+bool isLinearFile(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    for (char& c : extension)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension == ".exr" || extension == ".hdr";
+}
+
+Comparison compareEncoded(const CompareOptions& options) {
+    return compareImages(readImage8(options.first), readImage8(options.second), options.metric);
+}
+
+Comparison compareLinear(const CompareOptions& options) {
+    const Image first = toLinear(readImage(options.first));
+    const Image second = toLinear(readImage(options.second));
+    switch (options.metric) {
+        case Metric::rmse:
+            return {rmse(first, second), differenceMap(first, second)};
+        case Metric::flip:
+            return {flip(first, second), flipMap(first, second)};
+        case Metric::psnr:
+        case Metric::ssim:
+            break;
+    }
+    throw InputError(fmt::format("{} is defined for encoded pictures", metricName(options.metric)),
+                     options.first, "compare EXR and HDR by rmse or flip");
+}
+
+}  // namespace
+
 ExitStatus compare(const CompareOptions& options) {
     if (options.maxError && higherIsBetter(options.metric))
         throw InputError(fmt::format("{} grows with likeness", metricName(options.metric)), "--max-error",
@@ -400,15 +434,15 @@ ExitStatus compare(const CompareOptions& options) {
     for (const std::string& input : {options.first, options.second})
         if (std::filesystem::weakly_canonical(input) == std::filesystem::weakly_canonical(map))
             throw InputError("is one of the pictures to compare", map.string(), "give --out another file");
-    const Image8 first = readImage8(options.first);
-    const Image8 second = readImage8(options.second);
-    const Comparison comparison = compareImages(first, second, options.metric);
+    const bool linear = isLinearFile(options.first) || isLinearFile(options.second);
+    const Comparison comparison = linear ? compareLinear(options) : compareEncoded(options);
     writeImage(map, errorMap(comparison.perPixel));
     if (options.json)
         print(dump({{"reference", options.first},
                     {"test", options.second},
                     {"metric", metricName(options.metric)},
                     {"value", comparison.value},
+                    {"light", linear ? "linear" : "srgb"},
                     {"map", map.string()}}));
     else
         print(fmt::format("{} {:.6f}\n{}\n", metricName(options.metric), comparison.value, map.string()));

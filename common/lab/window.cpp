@@ -420,7 +420,7 @@ class LabWindow {
             }
         }
         if (Clock::now() - lastReload_ >= reloadInterval)
-            reload();
+            guarded([this] { reload(); });
         if (auto result = liveError_.take())
             takeError(*result);
         if (!compared_ && !stale_ && fault_.empty() && Clock::now() - lastChange_ >= comparisonDelay)
@@ -613,10 +613,13 @@ class LabWindow {
             --uiFrames_;
         const glm::ivec2 all = window_.framebufferSize();
         if (all.x < 1 || all.y < 1) {
+            // Nothing to draw on while minimised; what is stale is drawn when the size comes back.
+            redrawWhenRestored_ = redrawWhenRestored_ || stale_;
             stale_ = false;
             uiFrames_ = 0;
             return;
         }
+        stale_ = std::exchange(redrawWhenRestored_, false) || stale_;
         buildUi();
         const glm::ivec2 size = pictureSize();
         if (size != glm::ivec2(state_.frame.width, state_.frame.height))
@@ -661,7 +664,8 @@ class LabWindow {
     FrameTimes times_;
     HeldKeys held_;
 
-    bool stale_ = false;               ///< the picture is not what knobs and camera say
+    bool stale_ = false;  ///< the picture is not what knobs and camera say
+    bool redrawWhenRestored_ = false;
     int uiFrames_ = framesAfterEvent;  ///< still to be shown
     bool styleStale_ = false;
     bool panelOpen_ = true;

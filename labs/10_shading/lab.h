@@ -23,7 +23,6 @@ class ShadingLab final : public Lab {
 
     std::string topic() const override { return "flat, Gouraud and Phong shading; reflection models"; }
     graph::Resource build(graph::FrameGraph& graph, const Frame& frame) override;
-    bool takesModels() const override { return true; }
     void useScene(Scene scene) override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;

@@ -53,6 +53,15 @@ TEST_F(ProgramFolders, ModelsNamedWithoutAFolderKeepTheirMaterials) {
                 HasSubstr("rmse 0.000000"));
 }
 
+TEST_F(ProgramFolders, LinearPicturesAreComparedInLinearLight) {
+    EXPECT_TRUE(succeeded(call(drawingSmall({"run", "shading", "--out", "a.exr"}))));
+    EXPECT_TRUE(succeeded(call(drawingSmall({"run", "shading", "--specular=off", "--out", "b.exr"}))));
+    EXPECT_THAT(call({"compare", "a.exr", "b.exr", "--metric", "rmse", "--json"}).out,
+                testing::AllOf(HasSubstr("linear"), Not(HasSubstr("\"value\": 0.0,"))));
+    EXPECT_THAT(call({"compare", "a.exr", "a.exr", "--metric", "flip"}).out, HasSubstr("flip 0.000000"));
+    EXPECT_TRUE(failedWith(call({"compare", "a.exr", "b.exr", "--metric", "ssim"}), 2, "a.exr"));
+}
+
 std::string nested(std::size_t depth) {
     return std::string(depth, '[');
 }
