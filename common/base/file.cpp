@@ -1,5 +1,6 @@
 #include "base/file.h"
 
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -20,6 +21,13 @@ namespace {
 using FilePointer = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 }  // namespace
+
+std::string lowerCaseExtension(const fs::path& file) {
+    std::string extension = file.extension().string();
+    for (char& c : extension)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
 
 std::string readFile(const fs::path& file, std::uintmax_t maxBytes) {
     std::error_code error;

@@ -18,6 +18,9 @@ std::string readFile(const std::filesystem::path& file, std::uintmax_t maxBytes)
 /// called before long work whose results go there.
 void requireFolder(const std::filesystem::path& folder);
 
+/// The extension with its dot, in lower case: ".png" for "a.PNG".
+std::string lowerCaseExtension(const std::filesystem::path& file);
+
 /// Calls `write` with the name of a new file in the same folder, then renames that to `file`: readers see
 /// the old contents or the new, never a part. On any exception, or when interrupted, the new file is removed.
 /// The temporary name keeps the extension of `file`. Throws InputError if the folder cannot be written, or if

@@ -1,7 +1,6 @@
 #include "image/io.h"
 
 #include <atomic>
-#include <cctype>
 #include <cstdlib>
 #include <mutex>
 #include <string_view>
@@ -169,13 +168,6 @@ std::span<const std::byte> bytesOf(const std::string& text) {
     return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-std::string extensionOf(const fs::path& file) {
-    std::string extension = file.extension().string();
-    for (char& c : extension)
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
-}
-
 template <typename Channel>
 void checkWritable(const BasicImage<Channel>& image) {
     QX_CHECK_GE(image.channels, 1);
@@ -232,7 +224,7 @@ Image readImage(const fs::path& file) {
 }
 
 ImageKind imageKindOf(const fs::path& file) {
-    const std::string extension = extensionOf(file);
+    const std::string extension = lowerCaseExtension(file);
     if (extension == ".png")
         return ImageKind::png;
     if (extension == ".exr")

@@ -1,6 +1,5 @@
 #include "lab/picture_state.h"
 
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -132,9 +131,7 @@ PictureState parsePictureState(std::string_view text, std::string_view where) {
 }
 
 PictureState readPictureState(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    for (char& c : extension)
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = lowerCaseExtension(file);
     if (extension == ".png" || extension == ".exr") {
         for (const auto& [key, value] : readMetadata(file))
             if (key == pictureStateKey)

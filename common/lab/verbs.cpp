@@ -1,7 +1,6 @@
 #include "lab/verbs.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -393,9 +392,7 @@ namespace {
 
 /// Files that hold linear light, which 8-bit codes would cut off at 1.
 bool isLinearFile(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    for (char& c : extension)
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = lowerCaseExtension(file);
     return extension == ".exr" || extension == ".hdr";
 }
 

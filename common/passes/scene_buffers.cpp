@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "geometry/normals.h"
 #include "math/projection.h"
 #include "math/transform.h"
 
@@ -36,14 +37,6 @@ std::span<const std::byte> bytesOf(const std::vector<T>& values) {
     return std::as_bytes(std::span(values));
 }
 
-/// Unit normal of the plane of a triangle, in double so that neither tiny nor huge triangles lose it; zero
-/// for a triangle without area, which covers no pixel.
-glm::vec3 planeNormal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-    const glm::dvec3 across = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
-    const double length = glm::length(across);
-    return length > 0 ? glm::vec3(across / length) : glm::vec3(0);
-}
-
 std::vector<SharedVertex> sharedVertices(const Mesh& mesh) {
     std::vector<SharedVertex> vertices(mesh.positions.size());
     for (std::size_t i = 0; i < vertices.size(); ++i)
@@ -60,7 +53,7 @@ std::vector<FacetVertex> facetVertices(const Mesh& mesh) {
         const glm::vec3 a = mesh.positions[corner[0]];
         const glm::vec3 b = mesh.positions[corner[1]];
         const glm::vec3 c = mesh.positions[corner[2]];
-        const glm::vec3 normal = planeNormal(a, b, c);
+        const glm::vec3 normal = glm::vec3(triangleNormal(a, b, c));
         const glm::vec3 centroid((glm::dvec3(a) + glm::dvec3(b) + glm::dvec3(c)) / 3.0);
         for (const std::uint32_t v : corner)
             vertices.push_back({mesh.positions[v], normal,

@@ -1,7 +1,5 @@
 #include "scene/import.h"
 
-#include <algorithm>
-#include <cctype>
 #include <new>
 
 #include "base/error.h"
@@ -11,9 +9,7 @@
 namespace quincunx {
 
 ImportedScene importScene(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lowerCaseExtension(file);
     const bool isObj = extension == ".obj";
     if (!isObj && extension != ".gltf" && extension != ".glb")
         throw InputError("not a model that can be read", printable(file.string()), "use .obj, .gltf or .glb");
