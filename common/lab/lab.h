@@ -15,6 +15,7 @@
 #include "graph/graph.h"
 #include "image/image.h"
 #include "lab/knob.h"
+#include "math/hard_case.h"
 #include "scene/scene.h"
 
 namespace quincunx {
@@ -42,6 +43,16 @@ struct Bound {
     bool holds(double measured) const;  ///< false for NaN
     std::string text() const;           ///< "≤ 1e-06"
 };
+
+inline Bound atMost(double value) {
+    return {Bound::Kind::atMost, value, 0};
+}
+inline Bound atLeast(double value) {
+    return {Bound::Kind::atLeast, value, 0};
+}
+inline Bound equals(double value, double tolerance = 0) {
+    return {Bound::Kind::equals, value, tolerance};
+}
 
 struct Measurement {
     std::string name;
@@ -83,22 +94,6 @@ struct Sweep {
     std::vector<KnobValues> points;
     /// Called with the knobs set to a point, and with the same frame for all points.
     std::function<SweepSample(Studio&, const Frame&)> measure;
-};
-
-/// A numeric routine on hard inputs, in its naive and in its stable form, against an exact oracle.
-struct HardCase {
-    struct Result {
-        std::uint64_t inputs = 0;
-        double naiveError = 0;  ///< may be infinite
-        double stableError = 0;
-        std::string worstInput;  ///< of the stable form, in hexadecimal floating point
-    };
-    std::string routine;
-    std::string hardInput;
-    std::string unit;  ///< "ulp", "wrong", "radians" …
-    double bound = 0;  ///< the stable error must not exceed it
-    std::string source;
-    std::function<Result(std::uint64_t inputs, std::uint64_t seed)> run;
 };
 
 /// One topic of the exam: its knobs, how a frame of it is drawn, and what can be asked of it.

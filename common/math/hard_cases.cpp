@@ -46,27 +46,6 @@ std::string hexMatrix(const glm::mat4& m, int size) {
     return "columns(" + text + ")";
 }
 
-/// Collects the figures of a run.
-class Tally {
-  public:
-    /// `describe` writes the input down, called only for a new worst one.
-    template <typename Describe>
-    void add(double naiveError, double stableError, const Describe& describe) {
-        ++figures_.inputs;
-        figures_.naiveError = worse(figures_.naiveError, naiveError);
-        stableError = worse(stableError, 0);
-        if (figures_.inputs == 1 || stableError > figures_.stableError) {
-            figures_.stableError = stableError;
-            figures_.worstInput = describe();
-        }
-    }
-
-    const HardCaseFigures& figures() const { return figures_; }
-
-  private:
-    HardCaseFigures figures_;
-};
-
 /// The largest ulp error of the components.
 template <typename V>
 double componentUlps(const V& got, const QuadVector& exact) {
@@ -398,8 +377,8 @@ HardCaseFigures runInverse(std::uint64_t inputs, std::uint64_t seed) {
     return tally.figures();
 }
 
-std::span<const NumericHardCase> shadingHardCases() {
-    static constexpr NumericHardCase cases[] = {
+std::span<const HardCase> shadingHardCases() {
+    static constexpr HardCase cases[] = {
         {"normalize", "lengths 2^-148 … 2^127", "ulp", halfUlp, "squares summed in double; Blue 1978",
          &runNormalizeMagnitudes},
         {"normalize", "any finite bit patterns", "ulp", halfUlp, "squares summed in double; Blue 1978",
@@ -418,8 +397,8 @@ std::span<const NumericHardCase> shadingHardCases() {
     return cases;
 }
 
-std::span<const NumericHardCase> frameHardCases() {
-    static constexpr NumericHardCase cases[] = {
+std::span<const HardCase> frameHardCases() {
+    static constexpr HardCase cases[] = {
         {"normalize (double)", "lengths 2^-1070 … 2^1020", "ulp", 2.5, "Blue 1978", &runNormalizeDouble},
         {"length", "lengths 2^-148 … 2^126", "ulp", halfUlp, "squares summed in double; Blue 1978",
          &runLength},

@@ -2,36 +2,16 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
+
+#include "math/hard_case.h"
 
 namespace quincunx {
 
-/// The naive and the stable form of a routine on the same hard inputs, each against the exact value (Quad,
-/// see math/quad_oracle.h). A result that is not finite where the exact value is, or is none where there is
-/// one, counts as an infinite error.
-struct HardCaseFigures {
-    std::uint64_t inputs = 0;
-    double naiveError = 0;
-    double stableError = 0;
-    std::string worstInput;  ///< of the stable form, in hexadecimal floating point
-};
-
-/// A routine of this module with inputs that break its textbook form.
-struct NumericHardCase {
-    const char* routine;
-    const char* hardInput;
-    const char* unit;    ///< of the errors
-    double bound;        ///< what `stableError` must not exceed: the bound of the routine's header
-    const char* source;  ///< of the stable form
-    /// The same seed gives the same figures. 10⁶ inputs take one to four seconds of a core, inverses ten.
-    HardCaseFigures (*run)(std::uint64_t inputs, std::uint64_t seed);
-};
-
 /// What shading rests on: normals, half vectors, reflections, highlights, grazing light, the normal matrix.
-std::span<const NumericHardCase> shadingHardCases();
+std::span<const HardCase> shadingHardCases();
 /// What every lab's camera and geometry rest on: lengths, angles, products, bases, poses, projections,
 /// inverses.
-std::span<const NumericHardCase> frameHardCases();
+std::span<const HardCase> frameHardCases();
 
 /// Unit normals of 2^-148 … 2^127, and of any finite bit patterns; ulp of a component.
 HardCaseFigures runNormalizeMagnitudes(std::uint64_t inputs, std::uint64_t seed);

@@ -45,16 +45,6 @@ Frame plainFrame(ShadingLab& lab, Studio& studio) {
     return studio.frame(lab, width, height);
 }
 
-Bound atMost(double value) {
-    return {Bound::Kind::atMost, value, 0};
-}
-Bound atLeast(double value) {
-    return {Bound::Kind::atLeast, value, 0};
-}
-Bound equals(double value, double tolerance = 0) {
-    return {Bound::Kind::equals, value, tolerance};
-}
-
 std::vector<Measurement> measureHalfVector() {
     Random random(32);
     double worst = 0;

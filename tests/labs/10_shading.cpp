@@ -413,10 +413,11 @@ TEST(Shading10Answers, AllHold) {
 TEST(Shading10Stress, StableFormsKeepTheirBoundsWhereNaiveOnesDoNot) {
     ShadingLab lab;
     for (const HardCase& hardCase : lab.hardCases()) {
-        const HardCase::Result result = hardCase.run(5000, 7);
-        EXPECT_LE(result.stableError, hardCase.bound) << hardCase.routine << ": " << hardCase.hardInput;
-        EXPECT_FALSE(result.naiveError <= hardCase.bound) << hardCase.routine << ": " << hardCase.hardInput;
-        EXPECT_GE(result.inputs, 5000u);
+        const HardCaseFigures figures = hardCase.run(5000, 7);
+        EXPECT_TRUE(hardCase.holds(figures)) << hardCase.routine << ": " << hardCase.hardInput;
+        EXPECT_TRUE(figures.naiveFailures > 0 || figures.naiveError > hardCase.bound)
+            << hardCase.routine << ": " << hardCase.hardInput;
+        EXPECT_GE(figures.inputs, 5000u);
     }
 }
 

@@ -79,7 +79,8 @@ TEST_F(ProgramJson, OfStressHoldsNaiveAndStableErrorsWithTheirBounds) {
     EXPECT_THAT(names(reply), UnorderedElementsAre("lab", "cases", "pass"));
     ASSERT_FALSE(reply["cases"].empty());
     for (const json& row : reply["cases"]) {
-        EXPECT_THAT(names(row), UnorderedElementsAre("routine", "hard_input", "inputs", "naive_error",
+        EXPECT_THAT(names(row), UnorderedElementsAre("routine", "hard_input", "inputs", "naive_failures",
+                                                     "naive_error", "stable_failures", "source",
                                                      "stable_error", "unit", "bound", "pass"));
         EXPECT_EQ(row["pass"], true) << row;
     }
