@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <imgui.h>
+
+#include "base/paths.h"
 
 namespace quincunx {
 namespace {
@@ -230,15 +230,7 @@ void applyStyle(float pointsToScreen, float screenToPixels) {
     const float pixels = std::round(fontPoints * pointsToScreen * screenToPixels);
     static constexpr ImWchar glyphs[] = {0x20,   0xff,   0x370,  0x3ff,  0x2010, 0x2027,
                                          0x2190, 0x21ff, 0x2264, 0x2265, 0};
-    const std::filesystem::path file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-    std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) {
-        io.Fonts->AddFontFromFileTTF(file.c_str(), pixels, nullptr, glyphs);
-    } else {
-        ImFontConfig config;
-        config.SizePixels = pixels;
-        io.Fonts->AddFontDefault(&config);
-    }
+    io.Fonts->AddFontFromFileTTF(typefaceFile().c_str(), pixels, nullptr, glyphs);
     io.FontGlobalScale = 1 / screenToPixels;
 }
 

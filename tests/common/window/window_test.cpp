@@ -50,7 +50,7 @@ class ShaderCopy {
                               std::filesystem::copy_options::recursive);
     }
     std::string environment() const { return "QUINCUNX_ROOT=" + folder_.path().string(); }
-    std::filesystem::path phong() const { return folder_ / "shaders/labs/10_shading/phong.frag"; }
+    std::filesystem::path phong() const { return folder_ / "shaders/passes/phong.frag"; }
     std::string read() const { return readFile(phong(), 1 << 20); }
     void write(const std::string& text) const { writeFile(phong(), text); }
 
