@@ -129,8 +129,10 @@ bool drawKnob(Knob& knob, std::size_t index, float points) {
 
     ImGui::SetCursorPos({PanelLayout::knobLeft * points, top});
     ImGui::SetNextItemWidth(PanelLayout::knobWidth * points);
+    ImGui::BeginDisabled(!knob.idle().empty());
     changed = drawControl(knob);
-    const bool onControl = ImGui::IsItemHovered();
+    ImGui::EndDisabled();
+    const bool onControl = ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
     hovered = hovered || onControl;
     bool putBack = onControl && ImGui::IsMouseClicked(ImGuiMouseButton_Right);
 
@@ -147,6 +149,8 @@ bool drawKnob(Knob& knob, std::size_t index, float points) {
     }
     if (hovered && !ImGui::IsAnyItemActive()) {
         std::string help = knob.help();
+        if (!knob.idle().empty())
+            help += "\nWithout effect: " + knob.idle();
         if (dynamic_cast<BoolKnob*>(&knob) == nullptr && dynamic_cast<ChoiceKnob*>(&knob) == nullptr)
             help += fmt::format("\n{}; Ctrl-click to type", knob.allowed());
         help += fmt::format("\nRight-click for the default, {}", knob.defaultText());

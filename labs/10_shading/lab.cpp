@@ -54,6 +54,7 @@ void ShadingLab::useScene(Scene scene) {
     scene.backgroundBottom = stillLife_.backgroundBottom;
     scene_ = std::move(scene);
     builtIn_ = false;
+    tessellation.setIdle("imported models keep their own triangles");
     shared_.reset();
     facets_.reset();
 }

@@ -202,6 +202,22 @@ TEST_F(ProgramFiles, AModelThatChangedSinceItsPictureIsNotTakenForTheSame) {
     EXPECT_TRUE(succeeded(call(named)));
 }
 
+TEST_F(ProgramFiles, ADisplayThatDoesNotAnswerGivesAPictureInstead) {
+    const ProcessResult result =
+        call({"run", "shading", "--size", "32x24"}, {"DISPLAY=:54321", "WAYLAND_DISPLAY="});
+    EXPECT_TRUE(succeeded(result));
+    EXPECT_TRUE(fs::exists(folder_ / "out/10_shading.png"));
+}
+
+TEST_F(ProgramFiles, AKnobWithoutEffectIsToldSo) {
+    folder_.file("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const ProcessResult result = call(drawingSmall(
+        {"run", "shading", "--model", "model.obj", "--tessellation=9", "--shear=1", "--out", "a.png"}));
+    EXPECT_EQ(result.exitStatus, 0);
+    EXPECT_THAT(result.err, HasSubstr("warning: --tessellation"));
+    EXPECT_THAT(result.err, testing::Not(HasSubstr("--shear")));
+}
+
 TEST_F(ProgramFiles, RecordsThatAreHostileAreNamed) {
     for (const char* record : {"", "{", "[]", R"({"lab":5})", R"({"lab":"10_shading"})",
                                R"({"lab":"10_shading","width":1e99,"height":-1})"}) {
