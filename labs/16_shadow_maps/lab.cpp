@@ -19,13 +19,14 @@ constexpr float degree = std::numbers::pi_v<float> / 180;
 constexpr float sunAzimuthRadians = 52 * degree;
 constexpr int mostAtlasTexels = 16384;  // along a side, as drivers of OpenGL 3.3 and newer hold them
 
-void showMap(graph::PassContext& context, const gl::Texture2D& map, int width, int height) {
+void showMap(graph::PassContext& context, const gl::Texture2D& map, const Frame& frame, bool evenDepths) {
     constexpr int unit = 1;
     const gl::Program& program = context.programs().get(
         {.label = "depth view", .vertex = "passes/fullscreen.vert", .fragment = "passes/depth_view.frag"});
     program.use();
     program.set("depthMap", unit);
-    program.set("targetPixels", glm::vec2(width, height));
+    program.set("targetPixels", glm::vec2(frame.width, frame.height));
+    program.set("contrast", evenDepths ? 1.0f : 0.35f);
     map.bind(unit);
     context.drawFullscreen();
 }
@@ -139,7 +140,8 @@ graph::Resource ShadowMapLab::build(graph::FrameGraph& graph, const Frame& frame
                    .execute = [this, frame, views, params, light, targets, map, showsMap,
                                aspect](graph::PassContext& context) {
                        if (showsMap)
-                           return showMap(context, context.texture(map), frame.width, frame.height);
+                           return showMap(context, context.texture(map), frame,
+                                          views.kind == ShadowViews::Kind::cascades);
                        glClear(GL_DEPTH_BUFFER_BIT);
                        shadowMap_.drawShadowed(context, *scene_, forwardView(frame.camera, aspect),
                                                {.map = context.texture(map),

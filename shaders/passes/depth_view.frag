@@ -5,6 +5,7 @@
 
 uniform sampler2D depthMap;
 uniform vec2 targetPixels;
+uniform float contrast;  // 1 for depth that grows evenly; less for perspective views, whose depths crowd near 1
 
 out vec4 color;
 
@@ -17,5 +18,5 @@ void main() {
         return;
     }
     float depth = texelFetch(depthMap, ivec2(place), 0).r;
-    color = depth < 1.0 ? vec4(vec3(1.0 - depth) * vec3(1.0, 0.97, 0.9), 1.0) : vec4(0.01, 0.03, 0.07, 1.0);
+    color = depth < 1.0 ? vec4(pow(1.0 - depth, contrast) * vec3(1.0, 0.97, 0.9), 1.0) : vec4(0.01, 0.03, 0.07, 1.0);
 }
