@@ -95,22 +95,36 @@ glm::mat4 boxView(const glm::mat3& worldFromLight, const Box& wanted, const Box&
     return orthographic(left, right, bottom, top, near, far) * glm::mat4(glm::transpose(worldFromLight));
 }
 
-ShadowViews directionalViews(const Light& light, const Bounds& casters, const Camera& camera, float aspect,
-                             int cascades) {
-    // The light looks along −z of its frame.
-    const std::optional<glm::mat3> basis = basisAround(-light.direction);
-    if (!basis)
-        return {ShadowViews::Kind::cascades, {}};
-    const glm::dmat3 lightFromWorld = glm::transpose(glm::dmat3(*basis));
-    Box all;
-    double farthest = camera.nearDistance;
-    for (const glm::vec3& corner : cornersOf(casters)) {
-        all.add(lightFromWorld * glm::dvec3(corner));
-        farthest = std::max(farthest, distanceAlongView(camera, glm::dvec3(corner)));
+/// The box around all vertices in a turned frame. In float: the sums are rounded by 2^-22 of their size,
+/// which is added all around.
+Box boundsAlong(const Scene& scene, const glm::mat3& frameFromWorld) {
+    glm::vec3 low(std::numeric_limits<float>::infinity());
+    glm::vec3 high(-std::numeric_limits<float>::infinity());
+    for (const Instance& instance : scene.instances) {
+        const glm::mat4 frameFromModel = glm::mat4(frameFromWorld) * instance.worldFromModel;
+        for (const glm::vec3& position : scene.meshes[instance.mesh].positions) {
+            const glm::vec3 p(frameFromModel * glm::vec4(position, 1));
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
     }
+    const glm::dvec3 margin(0x1p-22 * glm::max(glm::abs(glm::dvec3(low)), glm::abs(glm::dvec3(high))));
+    return {glm::dvec3(low) - margin, glm::dvec3(high) + margin};
+}
+
+ShadowViews directionalViews(const Light& light, const Scene& casters, const Bounds& bounds,
+                             const Camera& camera, float aspect, int cascades) {
+    // The light looks along −z of its frame, with the world's up for its own: what is long and level then
+    // lies along the map.
+    const glm::mat3 basis(lookAt(glm::vec3(0), light.direction, {0, 1, 0}));
+    const glm::dmat3 lightFromWorld = glm::transpose(glm::dmat3(basis));
+    const Box all = boundsAlong(casters, glm::mat3(lightFromWorld));
+    double farthest = camera.nearDistance;
+    for (const glm::vec3& corner : cornersOf(bounds))
+        farthest = std::max(farthest, distanceAlongView(camera, glm::dvec3(corner)));
     ShadowViews views{ShadowViews::Kind::cascades, {}};
     if (cascades == 1) {
-        views.views.push_back({boxView(*basis, all, all), std::numeric_limits<float>::infinity()});
+        views.views.push_back({boxView(basis, all, all), std::numeric_limits<float>::infinity()});
         return views;
     }
     const double near = camera.nearDistance;
@@ -122,7 +136,7 @@ ShadowViews directionalViews(const Light& light, const Bounds& casters, const Ca
             slice.add(lightFromWorld * corner);
         slice.min = glm::clamp(slice.min, all.min, all.max);
         slice.max = glm::clamp(slice.max, all.min, all.max);
-        views.views.push_back({boxView(*basis, slice, all), static_cast<float>(to)});
+        views.views.push_back({boxView(basis, slice, all), static_cast<float>(to)});
         from = to;
     }
     views.views.back().viewDistance = std::numeric_limits<float>::infinity();
@@ -217,18 +231,19 @@ ShadowBlock makeBlock(const ShadowMap::Lookup& lookup) {
 
 }  // namespace
 
-ShadowViews fitShadowViews(const Light& light, const Bounds& casters, const Camera& camera, float aspect,
+ShadowViews fitShadowViews(const Light& light, const Scene& casters, const Camera& camera, float aspect,
                            const ShadowMapParams& params) {
     QX_CHECK_GE(params.cascades, 1);
     QX_CHECK_LE(params.cascades, 4);
     const bool directional = light.kind == Light::Kind::directional;
-    if (!isUsable(casters))
+    const Bounds bounds = casters.bounds();
+    if (!isUsable(bounds) || (light.kind != Light::Kind::point && !normalize(light.direction)))
         return {directional ? ShadowViews::Kind::cascades : ShadowViews::Kind::single, {}};
     if (directional)
-        return directionalViews(light, casters, camera, aspect, params.cascades);
+        return directionalViews(light, casters, bounds, camera, aspect, params.cascades);
     if (light.kind == Light::Kind::spot && light.outerConeRadians <= widestSpotRadians)
-        return spotView(light, casters);
-    return cubeViews(light, casters, params);
+        return spotView(light, bounds);
+    return cubeViews(light, bounds, params);
 }
 
 glm::ivec2 ShadowMap::size(std::size_t views, int resolution) {

@@ -47,12 +47,12 @@ struct ShadowMapParams {
     bool operator==(const ShadowMapParams&) const = default;
 };
 
-/// The views of a light that hold all of `casters` that can shade what the camera sees. A directional light
-/// gets boxes: the casters' bounds, or, for several cascades, the slices of the camera's view between
+/// The views of a light that hold all of the scene that can shade what the camera sees. A directional light
+/// gets boxes around the vertices, or, for several cascades, around the slices of the camera's view between
 /// distances halfway between logarithmic and even steps (Zhang et al., "Parallel-split shadow maps", VRCIA
-/// 2006). A spot up to 80° from its axis gets one perspective view, wider ones and points six. Bounds that
-/// are empty or not finite: no views, so no shadow. Held by ShadowViews.*.
-ShadowViews fitShadowViews(const Light& light, const Bounds& casters, const Camera& camera, float aspect,
+/// 2006). A spot up to 80° from its axis gets one perspective view, wider ones and points six. Scenes that
+/// are empty or not finite: no views, so no shadow. Looks at every vertex. Held by ShadowViews.*.
+ShadowViews fitShadowViews(const Light& light, const Scene& casters, const Camera& camera, float aspect,
                            const ShadowMapParams& params);
 
 /// A light's map: its views, what shaders read of it, and how it is drawn.

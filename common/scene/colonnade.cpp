@@ -63,8 +63,8 @@ StillLife makeColonnade() {
         {"stone ring", Torus{ringRadius, 0.26}, marble, at({0, 3.45f, 0}), 2.5f},
         {"pedestal", Drum{0.62, 0.42, 0.05}, verdigris, at({0, 0.9f, 0}), 1},
         {"golden egg", Egg{0.52}, gold, at({0, 1.83f, 0}), 1},
-        {"terracotta ball", Sphere{0.62}, terracotta, at({-3.3f, 0.62f, 4.9f}), 1},
-        {"lapis ball", Sphere{0.34}, lapis, at({-2.0f, 0.34f, 5.6f}), 1},
+        {"terracotta ball", Sphere{0.62}, terracotta, at({-2.95f, 0.62f, 4.7f}), 1},
+        {"lapis ball", Sphere{0.34}, lapis, at({-1.75f, 0.34f, 5.5f}), 1},
         {"obelisk", Capsule{0.16, 1.1}, verdigris,
          at({4.5f, 1.2f, 4.2f}) * glm::rotate(glm::mat4(1), 11 * degree, {0, 0, 1}), 0.7f},
         {"hoop", Torus{0.62, 0.07}, gold,
@@ -87,7 +87,7 @@ StillLife makeColonnade() {
     sun.intensity = 1.15f;
     scene.lights = {sun};
 
-    scene.camera.worldFromCamera = lookAt({3.3f, 5.2f, 13.2f}, {0.1f, 1.25f, 0.6f}, {0, 1, 0});
+    scene.camera.worldFromCamera = lookAt({3.4f, 6.1f, 13.0f}, {0.15f, 1.15f, 0.6f}, {0, 1, 0});
     scene.camera.fovYRadians = 34 * degree;
     scene.camera.nearDistance = 0.5f;
     scene.camera.farDistance = 60;

@@ -112,7 +112,7 @@ graph::Resource ShadowMapLab::build(graph::FrameGraph& graph, const Frame& frame
     scene_->scene().lights = {light};
     const ShadowMapParams params = shadowParams();
     const float aspect = static_cast<float>(frame.width) / static_cast<float>(frame.height);
-    const ShadowViews views = fitShadowViews(light, bounds_, frame.camera, aspect, params);
+    const ShadowViews views = fitShadowViews(light, scene_->scene(), frame.camera, aspect, params);
     const glm::ivec2 size = ShadowMap::size(views.views.size(), params.resolution);
     if (std::max(size.x, size.y) > mostAtlasTexels)
         throw InputError(fmt::format("{} views of {} texels do not fit into a map of {}", views.views.size(),

@@ -137,7 +137,8 @@ std::vector<Measurement> measureProsAndCons(Studio& studio) {
     lab.view.set(static_cast<int>(ShadowMapLab::View::map));
     const double mapAlone = seconds();
     lab.view.set(static_cast<int>(ShadowMapLab::View::mask));
-    figures.push_back({"a map that can be kept saves, of the frame's time", percent(mapAlone / picture), "%", {}});
+    figures.push_back(
+        {"a map that can be kept saves, of the frame's time", percent(mapAlone / picture), "%", {}});
 
     lab.tessellation.set(96);
     lab.resolution.set(64);
@@ -194,10 +195,10 @@ std::vector<Sweep> ShadowMapLab::sweeps() {
     sweep.errorUnit = "of the lit share";
     for (const char* filterName : {"nearest", "bilinear", "pcf"})
         for (const int texels : {128, 256, 512, 1024, 2048, 4096})
-            sweep.points.push_back({{"resolution", std::to_string(texels)}, {"filter", filterName}});
+            sweep.points.push_back({{"filter", filterName}, {"resolution", std::to_string(texels)}});
     for (const int texels : {256, 512, 1024})
         sweep.points.push_back(
-            {{"resolution", std::to_string(texels)}, {"filter", "nearest"}, {"cascades", "4"}});
+            {{"filter", "nearest"}, {"resolution", std::to_string(texels)}, {"cascades", "4"}});
     const auto traced = std::make_shared<Image>();
     sweep.measure = [this, traced](Studio& studio, const Frame& frame) {
         supersample.set(1);
