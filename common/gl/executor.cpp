@@ -80,7 +80,7 @@ GLenum internalFormat(graph::Format format) {
         case graph::Format::depth24Stencil8:
             return GL_DEPTH24_STENCIL8;
     }
-    QX_CHECK(!"a format of graph::Format");
+    QX_CHECK(false && "a format of graph::Format");
     return GL_NONE;
 }
 
