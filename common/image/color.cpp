@@ -21,8 +21,8 @@ float clampToUnit(float value) {
 }
 
 std::uint8_t roundToCode(float value) {
-    return static_cast<std::uint8_t>(255 * static_cast<double>(clampToUnit(value)) +
-                                     0.5);  // NOLINT(bugprone-incorrect-roundings): not negative
+    // Not negative, so that cutting off rounds. NOLINTNEXTLINE(bugprone-incorrect-roundings)
+    return static_cast<std::uint8_t>(255 * static_cast<double>(clampToUnit(value)) + 0.5);
 }
 
 /// Finds codes without a logarithm. Floats from 2^-13 to 1 fall into buckets of 1/128 octave, each narrower
