@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "math/rigid_motion_hard_cases.h"
+
 namespace quincunx {
 namespace {
 
@@ -44,8 +46,11 @@ std::string nameOf(const testing::TestParamInfo<HardCase>& info) {
 
 const auto shading = shadingHardCases();
 const auto frames = frameHardCases();
+const auto rigidMotions = rigidMotionHardCases();
 INSTANTIATE_TEST_SUITE_P(Shading, HardCases, testing::ValuesIn(shading.begin(), shading.end()), nameOf);
 INSTANTIATE_TEST_SUITE_P(Frames, HardCases, testing::ValuesIn(frames.begin(), frames.end()), nameOf);
+INSTANTIATE_TEST_SUITE_P(RigidMotions, HardCases, testing::ValuesIn(rigidMotions.begin(), rigidMotions.end()),
+                         nameOf);
 
 }  // namespace
 }  // namespace quincunx
