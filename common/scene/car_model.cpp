@@ -76,7 +76,7 @@ float bottomOf(float z) {
 }
 
 std::vector<glm::vec3> bodyRing(float z, float scale) {
-    constexpr int sides = 40;
+    constexpr int sides = 28;
     const float middle = 0.5f * (topOf(z) + bottomOf(z));
     const float half = 0.5f * (topOf(z) - bottomOf(z));
     std::vector<glm::vec3> ring;
@@ -103,12 +103,20 @@ Mesh body() {
     };
     const auto back = rounded(rear, -1);
     rings.insert(rings.end(), back.rbegin(), back.rend());
-    constexpr int stations = 24;
+    constexpr int stations = 16;
     for (int i = 0; i <= stations; ++i)
         rings.push_back(bodyRing(rear + (front - rear) * static_cast<float>(i) / stations, 1));
     const auto nose = rounded(front, 1);
     rings.insert(rings.end(), nose.begin(), nose.end());
-    return loft(rings, true, true, "car body");
+    const Mesh closed = loft(rings, true, true, "car body");
+    // Open where the driver sits.
+    std::vector<bool> keep(closed.triangleCount(), true);
+    for (std::size_t i = 0; i < keep.size(); ++i) {
+        const auto corner = [&](std::size_t k) { return closed.positions[closed.indices[3 * i + k]]; };
+        const glm::vec3 middle = (corner(0) + corner(1) + corner(2)) / 3.0f;
+        keep[i] = !(middle.y > 0.8f && std::abs(middle.x) < 0.70f && middle.z > -0.45f && middle.z < 1.6f);
+    }
+    return subset(closed, keep, "car body");
 }
 
 /// The upper part: glass between pillars, and a roof.
@@ -138,7 +146,7 @@ Cabin cabin() {
                                                   {1.515f, 0.08f, 0.46f, 0.37f}}};
     constexpr std::size_t firstGlass = 1;
     constexpr std::size_t lastGlass = 4;
-    constexpr std::size_t sides = 72;
+    constexpr std::size_t sides = 40;
     std::vector<std::vector<glm::vec3>> rings;
     for (const Row& row : rows) {
         std::vector<glm::vec3> ring;
@@ -207,26 +215,28 @@ void addOutside(BodyParts& parts, const CarBuild& build) {
         for (const float z : {0.0f, axle}) {
             // The wheel's house is dark; a lip of paint runs round it.
             const glm::vec3 centre(side * 0.80f, radius + 0.02f, z);
-            parts.paint.tube(arch(centre, 0.425f, -12, 192, 20), 0.052f, 8);
-            parts.dark.append(tessellate(Drum{0.42, 0.13, 0.01}, 28),
+            parts.paint.tube(arch(centre, 0.425f, -12, 192, 14), 0.052f, 6);
+            MeshBuilder house;
+            house.column({0, -0.13f, 0}, 0.26f, 0.42f, 0.42f, 20, true);
+            parts.dark.append(house.take({}),
                               at({side * 0.69f, radius + 0.02f, z}) * turnedBy(90, {0, 0, 1}));
         }
-        const auto bead = tessellate(Sphere{0.145}, 20);
+        const auto bead = tessellate(Sphere{0.145}, 12);
         parts.lamps.append(
             bead, at({side * 0.50f, 0.60f, 3.10f}) * glm::scale(glm::mat4(1), glm::vec3(1, 1, 0.72f)));
-        parts.chrome.append(tessellate(Torus{0.145, 0.026}, 24),
+        parts.chrome.append(tessellate(Torus{0.145, 0.026}, 14),
                             at({side * 0.50f, 0.60f, 3.105f}) * turnedBy(90, {1, 0, 0}));
-        parts.tailLamps.append(tessellate(Sphere{0.085}, 14),
+        parts.tailLamps.append(tessellate(Sphere{0.085}, 10),
                                at({side * 0.53f, 0.60f, rear - 0.075f}) *
                                    glm::scale(glm::mat4(1), glm::vec3(1.1f, 1.25f, 0.6f)));
-        parts.chrome.append(tessellate(Capsule{0.02, 0.07}, 10),
+        parts.chrome.append(tessellate(Capsule{0.02, 0.07}, 5),
                             at({side * 0.845f, 0.80f, 0.36f}) * turnedBy(90, {1, 0, 0}));
         // The mirror on its arm.
         parts.chrome.tube(
             std::array{glm::vec3(side * 0.74f, 0.93f, 1.42f), glm::vec3(side * 0.90f, 1.01f, 1.44f)}, 0.015f,
             6);
         parts.paint.append(
-            tessellate(Sphere{0.085}, 14),
+            tessellate(Sphere{0.085}, 10),
             at({side * 0.94f, 1.03f, 1.45f}) * glm::scale(glm::mat4(1), glm::vec3(1, 0.8f, 0.62f)));
         // A strip along the flank.
         std::vector<glm::vec3> strip;
@@ -234,7 +244,7 @@ void addOutside(BodyParts& parts, const CarBuild& build) {
             const float z = 0.5f + 0.16f * static_cast<float>(i);
             strip.emplace_back(side * (halfWidth(z) + 0.004f), 0.585f, z);
         }
-        parts.chrome.tube(strip, 0.014f, 6);
+        parts.chrome.tube(strip, 0.014f, 4);
     }
     const auto bumper = [&](float z, float outwards) {
         std::vector<glm::vec3> bar;
@@ -242,7 +252,7 @@ void addOutside(BodyParts& parts, const CarBuild& build) {
             const float x = 0.135f * static_cast<float>(i);
             bar.emplace_back(x, 0.35f, z + outwards * (0.26f - 0.42f * x * x));
         }
-        parts.chrome.tube(bar, 0.048f, 10);
+        parts.chrome.tube(bar, 0.048f, 7);
     };
     bumper(front, 1);
     bumper(rear, -1);
@@ -261,8 +271,8 @@ void addOutside(BodyParts& parts, const CarBuild& build) {
 void addInside(BodyParts& parts) {
     parts.lining.box({-0.70f, 0.30f, -0.45f}, {0.70f, 0.90f, 1.52f}, {.inward = true});
     // The dashboard, its hood over the instruments, and the pillars of the windscreen.
-    parts.dark.tube(std::array{glm::vec3(-0.68f, 0.86f, 1.50f), glm::vec3(0.68f, 0.86f, 1.50f)}, 0.10f, 14);
-    parts.dark.append(tessellate(Capsule{0.07, 0.14}, 14),
+    parts.dark.tube(std::array{glm::vec3(-0.68f, 0.86f, 1.50f), glm::vec3(0.68f, 0.86f, 1.50f)}, 0.10f, 12);
+    parts.dark.append(tessellate(Capsule{0.07, 0.14}, 12),
                       at({0.34f, 0.94f, 1.40f}) * turnedBy(90, {0, 0, 1}));
     for (const float side : {-1.0f, 1.0f})
         parts.lining.tube(
@@ -275,11 +285,11 @@ void addInside(BodyParts& parts) {
     parts.dark.append(tessellate(Capsule{0.035, 0.09}, 12), at({0, 1.325f, 1.0f}) * turnedBy(90, {0, 0, 1}));
     // The wheel, tilted towards the driver, with two spokes.
     const glm::mat4 wheel = at({0.34f, 0.95f, 1.20f}) * turnedBy(-62, {1, 0, 0});
-    parts.dark.append(tessellate(Torus{0.185, 0.016}, 32), wheel);
+    parts.dark.append(tessellate(Torus{0.185, 0.014}, 24), wheel);
     MeshBuilder spokes;
     spokes.tube(std::array{glm::vec3(-0.18f, 0, 0), glm::vec3(0.18f, 0, 0)}, 0.013f, 6);
     spokes.tube(std::array{glm::vec3(0, 0, 0), glm::vec3(0, 0, 0.18f)}, 0.013f, 6);
-    spokes.append(tessellate(Drum{0.045, 0.02, 0.01}, 16));
+    spokes.append(tessellate(Drum{0.045, 0.02, 0.01}, 12));
     parts.chrome.append(spokes.take("spokes"), wheel);
     parts.dark.tube(std::array{glm::vec3(0.34f, 0.94f, 1.21f), glm::vec3(0.34f, 0.86f, 1.45f)}, 0.03f, 8);
 }
@@ -320,15 +330,17 @@ struct Wheel {
 Wheel wheel(const CarBuild& build) {
     const glm::mat4 lying = turnedBy(90, {0, 0, 1});
     MeshBuilder tyre;
-    tyre.append(tessellate(Drum{build.wheelRadius, 0.105, 0.045}, 28), lying);
+    tyre.append(tessellate(Drum{build.wheelRadius, 0.105, 0.045}, 18), lying);
     MeshBuilder rim;
-    rim.append(tessellate(Drum{0.215, 0.112, 0.02}, 24), lying);
+    rim.append(tessellate(Drum{0.215, 0.112, 0.02}, 12), lying);
     for (const float side : {-1.0f, 1.0f}) {
-        rim.append(tessellate(Sphere{0.06}, 12), at({side * 0.105f, 0, 0}));
+        rim.append(tessellate(Sphere{0.06}, 6), at({side * 0.105f, 0, 0}));
         for (int hole = 0; hole < 5; ++hole) {
             const float angle = 72 * degree * static_cast<float>(hole);
-            tyre.append(tessellate(Drum{0.034, 0.006, 0.003}, 10),
-                        at({side * 0.112f, 0.14f * std::sin(angle), 0.14f * std::cos(angle)}) * lying);
+            MeshBuilder disc;
+            disc.disc({0, 0, 0}, 0.036f, 8);
+            tyre.append(disc.take({}), at({side * 0.116f, 0.14f * std::sin(angle), 0.14f * std::cos(angle)}) *
+                                           turnedBy(-90 * side, {0, 0, 1}));
         }
     }
     return {tyre.take("car tyre"), rim.take("car rim")};

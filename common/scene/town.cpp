@@ -134,7 +134,7 @@ float landHeight(float x, float z) {
 }
 
 Mesh land(float innerRadius, float outerRadius, int rings, std::string name) {
-    constexpr int sectors = 112;
+    constexpr int sectors = 72;
     std::vector<std::vector<glm::vec3>> all;
     // Outermost first, so that the skin's outside is up.
     for (int i = rings; i >= 0; --i) {
@@ -364,6 +364,14 @@ void sheet(MeshBuilder& builder, const Wall& wall, glm::vec2 middle, glm::vec2 h
     builder.quad(p(-1, -1), p(1, -1), p(1, 1), p(-1, 1));
 }
 
+/// One for the sides that the street does not see well.
+void plainWindow(HouseParts& parts, const Wall& wall, glm::vec2 middle, glm::vec2 half) {
+    sheet(parts.trim, wall, middle, half, 0.04f);
+    sheet(parts.glass, wall, middle, half - glm::vec2(0.09f), 0.055f);
+    sheet(parts.trim, wall, middle, {0.028f, half.y - 0.05f}, 0.07f);
+    sheet(parts.trim, wall, middle + glm::vec2(0, half.y * 0.25f), {half.x - 0.05f, 0.028f}, 0.07f);
+}
+
 void window(HouseParts& parts, const Wall& wall, glm::vec2 middle, glm::vec2 half, bool shutters) {
     board(parts.trim, wall, middle, half, 0, 0.07f);
     sheet(parts.glass, wall, middle, half - glm::vec2(0.09f), 0.085f);
@@ -503,11 +511,11 @@ HouseKind buildHouse(Site& site, const HousePlan& plan) {
             else
                 window(parts, front, {place, height}, pane, plan.shutters);
             if (column % 2 == 0)
-                window(parts, back, {place, height}, pane, false);
+                plainWindow(parts, back, {place, height}, pane);
         }
         for (const Wall& side : {left, right})
             for (const float place : {-0.24f, 0.24f})
-                window(parts, side, {plan.depth * place, height}, pane, false);
+                plainWindow(parts, side, {plan.depth * place, height}, pane);
     }
     if (plan.shop) {
         // An awning over the windows.
@@ -824,14 +832,14 @@ void buildFountain(Site& site, const Finishes& finishes) {
         // From the axis out, up a rounded wall, and down to the floor inside.
         Lathe lathe(0);
         lathe.line(radius).arc(wall, 90).line(height - 2 * wall).arc(wall, 180);
-        lathe.line(height * 0.4).arc(wall, -90).line(radius - wall);
-        return tessellate(lathe.finish(), 32, "basin");
+        lathe.line(height * 0.4).arc(wall, -90).line(radius - 2 * wall);
+        return tessellate(lathe.finish(), 20, "basin");
     };
     MeshBuilder bowls;
     bowls.append(basin(3.9, 0.8, 0.14), at(0, 0.2f, 0));
-    bowls.append(tessellate(Drum{0.42, 0.85, 0.1}, 20), at(0, 1.0f, 0));
+    bowls.append(tessellate(Drum{0.42, 0.85, 0.1}, 12), at(0, 1.0f, 0));
     bowls.append(basin(1.5, 0.45, 0.09), at(0, 1.75f, 0));
-    bowls.append(tessellate(Drum{0.2, 0.55, 0.06}, 16), at(0, 2.5f, 0));
+    bowls.append(tessellate(Drum{0.2, 0.55, 0.06}, 10), at(0, 2.5f, 0));
     bowls.append(basin(0.62, 0.3, 0.06), at(0, 2.95f, 0));
     site.place(site.add(bowls.take("fountain")), finishes.stone);
     MeshBuilder water;
@@ -842,11 +850,11 @@ void buildFountain(Site& site, const Finishes& finishes) {
     MeshBuilder jets;
     const auto jet = [&](glm::vec3 from, glm::vec3 to, float height, float radius) {
         std::vector<glm::vec3> points;
-        for (int i = 0; i <= 8; ++i) {
-            const float s = static_cast<float>(i) / 8;
+        for (int i = 0; i <= 6; ++i) {
+            const float s = static_cast<float>(i) / 6;
             points.push_back(glm::mix(from, to, s) + glm::vec3(0, 4 * height * s * (1 - s), 0));
         }
-        jets.tube(points, radius, 6);
+        jets.tube(points, radius, 4);
     };
     for (int i = 0; i < 10; ++i) {
         const float angle = 2 * pi * static_cast<float>(i) / 10;
@@ -883,10 +891,10 @@ struct TreeKind {
 
 std::vector<TreeKind> buildTrees(Site& site) {
     std::vector<TreeKind> kinds;
-    const Mesh ball = tessellate(Sphere{1}, 11);
+    const Mesh ball = tessellate(Sphere{1}, 9);
     const auto broad = [&](std::span<const glm::vec4> balls, float trunkHeight) {
         MeshBuilder trunk;
-        trunk.column({0, -0.3f, 0}, trunkHeight, 0.24f, 0.15f, 7);
+        trunk.column({0, -0.3f, 0}, trunkHeight, 0.24f, 0.15f, 5);
         MeshBuilder crown;
         for (const glm::vec4 b : balls)
             crown.append(ball, at(b.x, b.y, b.z) * scaled(b.w, b.w * 0.88f, b.w));
@@ -904,13 +912,13 @@ std::vector<TreeKind> buildTrees(Site& site) {
     // Round, on a short stem.
     broad(std::array<glm::vec4, 1>{{{0, 2.7f, 0, 1.35f}}}, 1.9f);
     MeshBuilder trunk;
-    trunk.column({0, -0.3f, 0}, 1.6f, 0.2f, 0.16f, 7);
+    trunk.column({0, -0.3f, 0}, 1.6f, 0.2f, 0.16f, 5);
     MeshBuilder fir;
     fir.column({0, 0.9f, 0}, 2.5f, 1.75f, 0, 9, true);
     fir.column({0, 2.3f, 0}, 2.2f, 1.4f, 0, 9, true);
     fir.column({0, 3.7f, 0}, 2.1f, 1.0f, 0, 9, true);
     kinds.push_back({site.add(trunk.take("trunk")), site.add(fir.take("crown"))});
-    trunk.column({0, -0.3f, 0}, 1.6f, 0.2f, 0.16f, 7);
+    trunk.column({0, -0.3f, 0}, 1.6f, 0.2f, 0.16f, 5);
     MeshBuilder poplar;
     poplar.append(ball, at(0, 4.3f, 0) * scaled(0.95f, 3.4f, 0.95f));
     kinds.push_back({site.add(trunk.take("trunk")), site.add(poplar.take("crown"))});
@@ -977,7 +985,7 @@ void plantTrees(Site& site, const Finishes& finishes) {
                 plant(site, kinds, finishes, poplar, {side * 7.0f, along}, 1.15f);
                 plant(site, kinds, finishes, poplar, {along, side * 7.0f}, 1.15f);
             }
-    for (int i = 0; i < 60; ++i) {
+    for (int i = 0; i < 90; ++i) {
         const float angle = site.uniform(0, 2 * pi);
         const float radius = site.uniform(150, 285);
         const glm::vec2 place(radius * std::sin(angle), radius * std::cos(angle));
@@ -1033,12 +1041,12 @@ void layPark(Site& site, const Finishes& finishes) {
 
 void setLamps(Site& site, const Finishes& finishes) {
     MeshBuilder post;
-    post.column({0, 0, 0}, 0.5f, 0.16f, 0.12f, 8);
-    post.column({0, 0.5f, 0}, 3.3f, 0.07f, 0.05f, 8);
-    post.column({0, 4.32f, 0}, 0.28f, 0.3f, 0.03f, 8, true);
-    post.column({0, 3.74f, 0}, 0.08f, 0.05f, 0.17f, 8);
+    post.column({0, 0, 0}, 0.5f, 0.16f, 0.12f, 6);
+    post.column({0, 0.5f, 0}, 3.3f, 0.07f, 0.05f, 6);
+    post.column({0, 4.32f, 0}, 0.28f, 0.3f, 0.03f, 6, true);
+    post.column({0, 3.74f, 0}, 0.08f, 0.05f, 0.17f, 6);
     MeshBuilder lantern;
-    lantern.column({0, 3.82f, 0}, 0.5f, 0.16f, 0.25f, 8);
+    lantern.column({0, 3.82f, 0}, 0.5f, 0.16f, 0.25f, 6);
     const std::size_t stand = site.add(post.take("lamp post"));
     const std::size_t glass = site.add(lantern.take("lantern"));
     const auto set = [&](float x, float z) {
@@ -1062,7 +1070,7 @@ void setLamps(Site& site, const Finishes& finishes) {
 void hangClouds(Site& site) {
     const std::size_t white =
         site.add(material("cloud", {.diffuse = {0.72f, 0.74f, 0.78f}, .emission = {0.30f, 0.31f, 0.33f}}));
-    const Mesh ball = tessellate(Sphere{1}, 12);
+    const Mesh ball = tessellate(Sphere{1}, 9);
     for (int kind = 0; kind < 3; ++kind) {
         MeshBuilder builder;
         const int puffs = 5 + kind;
@@ -1139,7 +1147,6 @@ void parkCars(Site& site) {
     park(model, -3.05, 40, 0);
     park(addCarLike(site.town.scene, model, {0.55f, 0.42f, 0.08f}), 3.05, -36, 180);
     park(addCarLike(site.town.scene, model, {0.20f, 0.36f, 0.22f}), 46, 3.05, 90);
-    park(addCarLike(site.town.scene, model, {0.62f, 0.58f, 0.52f}), 75.05, -30, 180);
 }
 
 }  // namespace
