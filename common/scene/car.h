@@ -57,8 +57,8 @@ struct CarControls {
 CarState advanced(const CarState& car, const CarControls& controls, double seconds,
                   const CarBuild& build = {});
 
-/// What a game loop does: position += speed · dt · direction, heading += rate · dt, in float. Circles become
-/// spirals, and the path depends on the frame rate.
+/// What a game loop does: position += speed · dt · direction, heading += rate · dt, in float. Arcs become
+/// polygons, and where they end depends on the frame rate.
 CarState advancedNaive(const CarState& car, const CarControls& controls, double seconds,
                        const CarBuild& build = {});
 
@@ -83,7 +83,7 @@ struct CarInstances {
     std::size_t paint = 0;  ///< index into Scene::materials: change its colour at will
 };
 
-/// Adds the model of a car: about 5000 triangles, its own materials. `paint` and `roof`: linear RGB.
+/// Adds the model of a car: about 7000 triangles, its own materials. `paint` and `roof`: linear RGB.
 CarInstances addCar(Scene& scene, glm::vec3 paint = {0.52f, 0.025f, 0.02f},
                     glm::vec3 roof = {0.78f, 0.70f, 0.56f});
 
