@@ -114,7 +114,9 @@ Mesh body() {
     for (std::size_t i = 0; i < keep.size(); ++i) {
         const auto corner = [&](std::size_t k) { return closed.positions[closed.indices[3 * i + k]]; };
         const glm::vec3 middle = (corner(0) + corner(1) + corner(2)) / 3.0f;
-        keep[i] = !(middle.y > 0.8f && std::abs(middle.x) < 0.70f && middle.z > -0.45f && middle.z < 1.6f);
+        const float across = std::pow(std::abs(middle.x) / 0.68f, 3.2f);
+        const float along = std::pow(std::abs(middle.z - 0.6f) / 1.12f, 3.2f);
+        keep[i] = !(middle.y > 0.8f && across + along < 1 && middle.z < 1.62f);
     }
     return subset(closed, keep, "car body");
 }
@@ -197,6 +199,20 @@ std::vector<glm::vec3> arch(glm::vec3 centre, float radius, float fromDegrees, f
     return points;
 }
 
+/// The dark opening that a wheel stands in, flat on the flank, with its rim.
+void wheelHouse(MeshBuilder& builder, glm::vec3 centre, float side) {
+    std::vector<glm::vec3> outline = arch({side * 0.82f, centre.y, centre.z}, 0.42f, -12, 192, 14);
+    if (side > 0)
+        std::reverse(outline.begin(), outline.end());
+    builder.polygon(outline);
+    const glm::vec3 inwards(-side * 0.26f, 0, 0);
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+        const glm::vec3 a = outline[i];
+        const glm::vec3 b = outline[(i + 1) % outline.size()];
+        builder.quad(a, a + inwards, b + inwards, b);
+    }
+}
+
 struct BodyParts {
     MeshBuilder paint;
     MeshBuilder dark;
@@ -216,10 +232,7 @@ void addOutside(BodyParts& parts, const CarBuild& build) {
             // The wheel's house is dark; a lip of paint runs round it.
             const glm::vec3 centre(side * 0.80f, radius + 0.02f, z);
             parts.paint.tube(arch(centre, 0.425f, -12, 192, 14), 0.052f, 6);
-            MeshBuilder house;
-            house.column({0, -0.13f, 0}, 0.26f, 0.42f, 0.42f, 20, true);
-            parts.dark.append(house.take({}),
-                              at({side * 0.69f, radius + 0.02f, z}) * turnedBy(90, {0, 0, 1}));
+            wheelHouse(parts.dark, centre, side);
         }
         const auto bead = tessellate(Sphere{0.145}, 12);
         parts.lamps.append(
@@ -279,6 +292,10 @@ void addInside(BodyParts& parts) {
             std::array{glm::vec3(side * 0.655f, 0.90f, 1.55f), glm::vec3(side * 0.60f, 1.13f, 1.30f),
                        glm::vec3(side * 0.515f, 1.37f, 0.97f)},
             0.028f, 8);
+    for (const float side : {-1.0f, 1.0f})
+        parts.lining.tube(
+            std::array{glm::vec3(side * 0.70f, 0.915f, -0.2f), glm::vec3(side * 0.70f, 0.92f, 1.5f)}, 0.035f,
+            6);
     parts.lining.tube(std::array{glm::vec3(-0.52f, 1.375f, 0.96f), glm::vec3(-0.26f, 1.40f, 1.0f),
                                  glm::vec3(0.26f, 1.40f, 1.0f), glm::vec3(0.52f, 1.375f, 0.96f)},
                       0.032f, 8);

@@ -1070,7 +1070,7 @@ void setLamps(Site& site, const Finishes& finishes) {
 void hangClouds(Site& site) {
     const std::size_t white =
         site.add(material("cloud", {.diffuse = {0.72f, 0.74f, 0.78f}, .emission = {0.30f, 0.31f, 0.33f}}));
-    const Mesh ball = tessellate(Sphere{1}, 9);
+    const Mesh ball = tessellate(Sphere{1}, 8);
     for (int kind = 0; kind < 3; ++kind) {
         MeshBuilder builder;
         const int puffs = 5 + kind;
@@ -1146,7 +1146,6 @@ void parkCars(Site& site) {
     // Beside the kerb, on the right.
     park(model, -3.05, 40, 0);
     park(addCarLike(site.town.scene, model, {0.55f, 0.42f, 0.08f}), 3.05, -36, 180);
-    park(addCarLike(site.town.scene, model, {0.20f, 0.36f, 0.22f}), 46, 3.05, 90);
 }
 
 }  // namespace

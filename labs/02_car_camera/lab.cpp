@@ -197,15 +197,26 @@ graph::Resource CarCameraLab::build(graph::FrameGraph& graph, const Frame& frame
 
 // ---- driving ----
 
+CarCameraLab::CarPlace CarCameraLab::placeOf(const CarState& state) const {
+    const glm::dvec2 direction = state.heading.direction();
+    const double rolled = std::remainder(state.distanceTravelled / CarBuild().wheelRadius, 2 * pi);
+    return {clampedTo(carX, state.position.x), clampedTo(carZ, state.position.z),
+            clampedTo(heading, degreesOf(std::atan2(direction.y, direction.x))),
+            clampedTo(steering, degreesOf(state.steering)), clampedTo(wheelRoll, degreesOf(rolled))};
+}
+
+bool CarCameraLab::showsDriven() const {
+    return placeOf(driven_) == CarPlace{carX, carZ, heading, steering, wheelRoll};
+}
+
 void CarCameraLab::drive(const CarState& next) {
     driven_ = next;
-    carX.set(clampedTo(carX, next.position.x));
-    carZ.set(clampedTo(carZ, next.position.z));
-    const glm::dvec2 direction = next.heading.direction();
-    heading.set(clampedTo(heading, degreesOf(std::atan2(direction.y, direction.x))));
-    steering.set(clampedTo(steering, degreesOf(next.steering)));
-    wheelRoll.set(clampedTo(
-        wheelRoll, degreesOf(std::remainder(next.distanceTravelled / CarBuild().wheelRadius, 2 * pi))));
+    const CarPlace place = placeOf(next);
+    carX.set(place.x);
+    carZ.set(place.z);
+    heading.set(place.heading);
+    steering.set(place.steering);
+    wheelRoll.set(place.wheelRoll);
     // What the edge of the map stops has no speed left.
     if (std::abs(next.position.x) >= carX.range().max || std::abs(next.position.z) >= carZ.range().max) {
         driven_ = car();
@@ -213,35 +224,33 @@ void CarCameraLab::drive(const CarState& next) {
     }
 }
 
+bool CarCameraLab::isMoving() const {
+    return playing_ || (path.value() == "off" && (driven_.speed != 0 || driven_.steering != 0));
+}
+
 bool CarCameraLab::advance(double seconds, const HeldSeconds& held) {
     seconds = std::clamp(seconds, 0.0, longestFrame);
     const bool hands = held != HeldSeconds{};
+    const PathPlayer* played = player();
+    playing_ = playing_ && played != nullptr;
     if (playing_ && !hands) {
-        const PathPlayer* played = player();
-        const double end =
-            played == nullptr ? 0 : std::min<double>(played->path().seconds(), time.range().max);
+        const double end = std::min<double>(played->path().seconds(), time.range().max);
         const double next = std::min(static_cast<double>(time) + seconds, end);
         playing_ = next < end;
         time.set(clampedTo(time, next));
         return true;
     }
-    if (path.value() != "off") {
+    if (played != nullptr) {
         // A hand on the wheel ends the playing.
-        driven_ = car();
-        drive(driven_);
+        drive(car());
         path.set("off");
         playing_ = false;
         recording_.spans.clear();
     }
-    const CarState shown = car();
-    const CarState before = driven_;
-    drive(before);
-    const bool moved = car() != shown;
-    if (moved) {
+    if (!showsDriven()) {
         // Somebody put the car elsewhere by the knobs.
-        driven_ = shown;
+        driven_ = car();
         recording_.spans.clear();
-        drive(shown);
     }
     if (recording_.spans.empty())
         recording_.start = driven_;
@@ -268,8 +277,10 @@ std::vector<LabKey> CarCameraLab::keys() {
              }},
             {'T', "play or stop the tour, or the path that is chosen",
              [this] {
-                 if (path.value() == "off")
+                 if (path.value() == "off") {
                      path.set("tour");
+                     driven_ = CarState{};
+                 }
                  playing_ = !playing_;
                  return std::string();
              }},

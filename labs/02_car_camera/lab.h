@@ -26,7 +26,7 @@ class CarCameraLab final : public Lab {
     Bounds sceneBounds() const override;
     std::optional<Camera> ownCamera() const override;
     bool takesControls() const override { return view.as<View>() != View::free; }
-    bool isMoving() const override { return playing_ || driven_.speed != 0 || driven_.steering != 0; }
+    bool isMoving() const override;
     bool advance(double seconds, const HeldSeconds& held) override;
     std::vector<LabKey> keys() override;
     std::vector<Question> questions() override;
@@ -80,8 +80,22 @@ class CarCameraLab final : public Lab {
     DriftSettings drift() const;
 
   private:
+    /// The knobs that say where the car is.
+    struct CarPlace {
+        float x = 0;
+        float z = 0;
+        float heading = 0;
+        float steering = 0;
+        float wheelRoll = 0;
+
+        bool operator==(const CarPlace&) const = default;
+    };
+
     const PathPlayer* player() const;
-    void drive(const CarState& car);
+    CarPlace placeOf(const CarState& state) const;
+    /// The knobs are where the keys put them.
+    bool showsDriven() const;
+    void drive(const CarState& next);
     void sayWhatIsIdle();
     glm::dmat3 driftedTurn() const;
     Camera cameraOf(const CarState& car, const Frame& frame) const;

@@ -133,8 +133,10 @@ void measureForwards(std::vector<Measurement>& figures) {
     };
     figures.push_back({"(3) half a circle in 1000 arcs ends off by", missedBy(advanced, 1000), "m",
                        atMost(1000 * 64 * 0x1p-53 * length)});
-    figures.push_back({"(3) the same in 1000 straight steps", missedBy(advancedNaive, 1000), "m", atLeast(1e-3)});
-    figures.push_back({"(3) the same in 100 straight steps", missedBy(advancedNaive, 100), "m", atLeast(1e-2)});
+    figures.push_back(
+        {"(3) the same in 1000 straight steps", missedBy(advancedNaive, 1000), "m", atLeast(1e-3)});
+    figures.push_back(
+        {"(3) the same in 100 straight steps", missedBy(advancedNaive, 100), "m", atLeast(1e-2)});
 }
 
 struct InverseErrors {

@@ -65,8 +65,8 @@ Sweep driftSweep(CarCameraLab& lab, std::string name, std::string title, std::st
 std::vector<Sweep> CarCameraLab::sweeps() {
     std::vector<Sweep> sweeps;
     sweeps.push_back(driftSweep(*this, "orthonormality",
-                                "making R orthonormal after every k turns: drift against time",
-                                "RᵀR = I", "largest entry of |RᵀR - I| after 199 999 turns",
+                                "making R orthonormal after every k turns: drift against time", "RᵀR = I",
+                                "largest entry of |RᵀR - I| after 199 999 turns",
                                 [](const glm::mat3& frame, const DriftSettings&, const glm::dmat3&) {
                                     return departureFromOrthonormal(frame);
                                 }));
