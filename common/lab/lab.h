@@ -138,6 +138,9 @@ class Lab {
     /// What the window's orbit camera turns about, and how far it may go.
     virtual Bounds sceneBounds() const = 0;
 
+    /// Says by Knob::setIdle which knobs are without effect at the values that the others have.
+    virtual void markIdleKnobs() {}
+
     /// The camera where the lab holds it itself, for the picture as its knobs say; none where the camera is
     /// the frame's, and the person's.
     virtual std::optional<Camera> ownCamera() const { return {}; }

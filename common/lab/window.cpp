@@ -328,9 +328,10 @@ class LabWindow {
             held_.set(key, false);
         if (action != GLFW_PRESS || ImGui::GetIO().WantTextInput)
             return;
-        // Arrows step through the panel's fields while one of those is lit.
+        // Arrows step through the panel's fields while one of those is lit, and through open lists.
         const bool arrow = HeldKeys::isArrow(key);
-        const bool drives = lab_.takesControls() && !(arrow && ImGui::GetIO().NavVisible);
+        const bool steps = ImGui::GetIO().NavVisible || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+        const bool drives = lab_.takesControls() && !(arrow && steps);
         if (drives || (camera_.mode() == CameraControl::Mode::fly && !arrow))
             held_.set(key, true);
         for (const KeyBinding& binding : bindings())
@@ -634,6 +635,7 @@ class LabWindow {
         ImGui::NewFrame();
         const float points = pointsToScreen();
         if (panelOpen_) {
+            lab_.markIdleKnobs();
             const PanelActions actions = drawPanel(lab_.knobs(), panelText(), points);
             if (actions.knobsChanged)
                 settingsChanged();

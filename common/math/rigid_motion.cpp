@@ -10,6 +10,10 @@
 namespace quincunx {
 namespace {
 
+/// Between these, squares of lengths neither lose bits below the range nor leave it.
+constexpr double smallestSafeSquare = 0x1p-900;
+constexpr double largestSafeSquare = 0x1p900;
+
 struct HalfTurn {
     double cosine = 1;
     glm::dvec3 sine{0};  ///< along the axis
@@ -18,18 +22,24 @@ struct HalfTurn {
 /// The unit quaternion of a turn; that of no turn where there is none.
 HalfTurn halfTurn(glm::dvec3 axis, double radians) {
     const double squared = glm::dot(axis, axis);
-    glm::dvec3 unit;
-    if (squared > 0x1p-900 && squared < 0x1p900) [[likely]] {
-        unit = axis / std::sqrt(squared);
-    } else {
-        const std::optional<glm::dvec3> any = normalize(axis);
-        if (!any)
+    double scale = 1 / std::sqrt(squared);
+    if (!(squared > smallestSafeSquare && squared < largestSafeSquare && std::isfinite(radians)))
+        [[unlikely]] {
+        const std::optional<glm::dvec3> unit = normalize(axis);
+        if (!unit || !std::isfinite(radians))
             return {};
-        unit = *any;
+        axis = *unit;
+        scale = 1;
     }
-    if (!std::isfinite(radians))
-        return {};
-    return {std::cos(radians / 2), std::sin(radians / 2) * unit};
+    return {std::cos(radians / 2), std::sin(radians / 2) * scale * axis};
+}
+
+/// `normalize` of math/vector.h to 3 u, inline for the usual lengths.
+std::optional<glm::dvec3> unitOf(glm::dvec3 v) {
+    const double squared = glm::dot(v, v);
+    if (squared > smallestSafeSquare && squared < largestSafeSquare) [[likely]]
+        return v * (1 / std::sqrt(squared));
+    return normalize(v);
 }
 
 /// (cos, sin) of an angle and a little more, |rest| ≤ 2^-12: what the series leaves out is below 2^-64.
@@ -59,18 +69,38 @@ bool isFinite(const glm::mat3& m) {
     return quincunx::isFinite(m[0]) && quincunx::isFinite(m[1]) && quincunx::isFinite(m[2]);
 }
 
-/// The largest entry of |XᵀX − I|.
-double departure(const glm::dmat3& x) {
-    double worst = 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = i; j < 3; ++j)
-            worst = std::max(worst, std::abs(glm::dot(x[i], x[j]) - (i == j ? 1 : 0)));
-    return worst;
+/// I − XᵀX: its diagonal, and what is beside it (yz, zx, xy).
+struct Residual {
+    glm::dvec3 diagonal;
+    glm::dvec3 beside;
+
+    double largest() const {
+        const glm::dvec3 a = glm::abs(diagonal);
+        const glm::dvec3 b = glm::abs(beside);
+        return std::max({a.x, a.y, a.z, b.x, b.y, b.z});
+    }
+};
+
+Residual residualOf(const glm::dmat3& x) {
+    return {{1 - glm::dot(x[0], x[0]), 1 - glm::dot(x[1], x[1]), 1 - glm::dot(x[2], x[2])},
+            {-glm::dot(x[1], x[2]), -glm::dot(x[2], x[0]), -glm::dot(x[0], x[1])}};
+}
+
+/// X + X (I − XᵀX)/2
+glm::dmat3 newtonSchulz(const glm::dmat3& x, const Residual& r) {
+    const glm::dvec3 d = 0.5 * r.diagonal;
+    const glm::dvec3 b = 0.5 * r.beside;
+    return {x[0] + (x[0] * d.x + x[1] * b.z + x[2] * b.y), x[1] + (x[0] * b.z + x[1] * d.y + x[2] * b.x),
+            x[2] + (x[0] * b.y + x[1] * b.x + x[2] * d.z)};
 }
 
 glm::dmat3 newtonSchulz(const glm::dmat3& x) {
-    const glm::dmat3 residual = glm::dmat3(1) - glm::transpose(x) * x;
-    return x + 0.5 * (x * residual);
+    return newtonSchulz(x, residualOf(x));
+}
+
+/// x · (y × z), off by 8 u for columns of unit length: enough for the sign of what is nearly a rotation.
+double roughDeterminant(const glm::dmat3& x) {
+    return glm::dot(x[0], glm::cross(x[1], x[2]));
 }
 
 double frobenius(const glm::dmat3& m) {
@@ -83,25 +113,37 @@ glm::dmat3 cofactors(const glm::dmat3& m) {
 
 /// The nearest rotation, in double. `m` is finite.
 std::optional<glm::dmat3> polarRotation(const glm::mat3& m) {
-    if (!(determinant(m) > 0))
+    glm::dmat3 x(m);
+    // Newton and Schulz's steps square the residual e, times 2¼ at most; the last leaves 2^-80.
+    constexpr double nearly = 0x1p-6;
+    constexpr double there = 0x1p-41;
+    Residual residual = residualOf(x);
+    if (residual.largest() <= nearly && roughDeterminant(x) > 0) {
+        while (residual.largest() > there) {
+            x = newtonSchulz(x, residual);
+            residual = residualOf(x);
+        }
+        return newtonSchulz(x, residual);
+    }
+    const double exact = determinant(m);
+    if (!(exact > 0))
         return std::nullopt;
     float largest = 0;
     for (int column = 0; column < 3; ++column)
         for (int row = 0; row < 3; ++row)
             largest = std::max(largest, std::abs(m[column][row]));
     const double scale = std::ldexp(1.0, -std::ilogb(largest));
-    glm::dmat3 x = scale * glm::dmat3(m);
-    double det = scale * scale * scale * determinant(m);
+    x = scale * x;
+    double det = scale * scale * scale * exact;
     // Scaled steps take a condition of 2^40 below 2 in eight; six more square the error to nothing.
     constexpr int mostSteps = 32;
-    constexpr double nearlyThere = 0x1p-20;
     for (int step = 0; step < mostSteps; ++step) {
         const glm::dmat3 inverseTranspose = cofactors(x) / det;
         const double gamma = std::sqrt(frobenius(inverseTranspose) / frobenius(x));
         if (!(gamma > 0 && gamma < 0x1p80))
             return std::nullopt;
         x = 0.5 * gamma * x + (0.5 / gamma) * inverseTranspose;
-        if (departure(x) <= nearlyThere)
+        if (residualOf(x).largest() <= 0x1p-20)
             return newtonSchulz(newtonSchulz(x));
         det = glm::dot(x[0], cross(x[1], x[2]));
     }
@@ -117,8 +159,8 @@ struct LeftAndFacing {
 std::optional<LeftAndFacing> leftAndFacing(const glm::mat3& frame) {
     if (!quincunx::isFinite(frame[1]) || !quincunx::isFinite(frame[2]))
         return std::nullopt;
-    const std::optional<glm::dvec3> left = normalize(crossInDouble(frame[1], frame[2]));
-    const std::optional<glm::dvec3> facing = normalize(glm::dvec3(frame[2]));
+    const std::optional<glm::dvec3> left = unitOf(crossInDouble(frame[1], frame[2]));
+    const std::optional<glm::dvec3> facing = unitOf(glm::dvec3(frame[2]));
     if (!left || !facing)
         return std::nullopt;
     return LeftAndFacing{*left, *facing};
@@ -197,18 +239,22 @@ glm::mat3 turnedNaive(const glm::mat3& worldFromBody, glm::vec3 axisBody, float 
 }
 
 std::optional<glm::mat3> turned(const glm::mat3& worldFromBody, glm::vec3 axisBody, float radians) {
-    if (!isFinite(worldFromBody) || !quincunx::isFinite(axisBody) || !std::isfinite(radians))
+    if (!quincunx::isFinite(axisBody) || !std::isfinite(radians))
         return std::nullopt;
     glm::dmat3 start(worldFromBody);
+    const Residual residual = residualOf(start);
     // A rotation rounded to float departs by 1.1e-7; one step then leaves 3 (1.1e-7)² = 4e-14.
     constexpr double roundedRotation = 2e-7;
-    if (departure(start) > roundedRotation || !(determinant(worldFromBody) > 0)) {
-        const std::optional<glm::dmat3> nearest = polarRotation(worldFromBody);
+    if (residual.largest() <= roundedRotation && roughDeterminant(start) > 0) [[likely]] {
+        start = newtonSchulz(start, residual);
+    } else {
+        const std::optional<glm::dmat3> nearest =
+            isFinite(worldFromBody) ? polarRotation(worldFromBody) : std::nullopt;
         if (!nearest)
             return std::nullopt;
         start = *nearest;
     }
-    return glm::mat3(newtonSchulz(start * turnMatrix(glm::dvec3(axisBody), static_cast<double>(radians))));
+    return glm::mat3(start * turnMatrix(glm::dvec3(axisBody), static_cast<double>(radians)));
 }
 
 void Orientation::turnAboutBody(glm::dvec3 axisBody, double radians) {

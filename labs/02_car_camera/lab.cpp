@@ -50,7 +50,6 @@ CarCameraLab::CarCameraLab() : town_(makeTown()) {
     for (const Instance& instance : pass_->ground().instances)
         groundPlaces_.emplace_back(glm::vec3(instance.worldFromModel[3]));
     driven_ = car();
-    sayWhatIsIdle();
 }
 
 Camera CarCameraLab::defaultCamera() const {
@@ -107,7 +106,7 @@ glm::dmat3 CarCameraLab::driftedTurn() const {
     return drift_;
 }
 
-void CarCameraLab::sayWhatIsIdle() {
+void CarCameraLab::markIdleKnobs() {
     const bool onPath = path.value() != "off";
     time.setIdle(onPath ? "" : "nothing plays; say --path=tour");
     for (Knob* knob : {static_cast<Knob*>(&carX), static_cast<Knob*>(&carZ), static_cast<Knob*>(&heading),
@@ -148,7 +147,6 @@ Camera CarCameraLab::cameraOf(const CarState& state, const Frame& frame) const {
 }
 
 graph::Resource CarCameraLab::build(graph::FrameGraph& graph, const Frame& frame) {
-    sayWhatIsIdle();
     const PictureTargets targets = addPictureTargets(
         graph,
         {.format = frame.pictureFormat, .width = frame.width, .height = frame.height, .factor = supersample});

@@ -22,6 +22,7 @@ class CarCameraLab final : public Lab {
 
     std::string topic() const override { return "a car's model matrix, and the camera in it"; }
     graph::Resource build(graph::FrameGraph& graph, const Frame& frame) override;
+    void markIdleKnobs() override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
     std::optional<Camera> ownCamera() const override;
@@ -49,24 +50,22 @@ class CarCameraLab final : public Lab {
     FloatKnob steering{knobs(), "steering", 0, {-35, 35}, "degrees", "The front wheels, to the left"};
     FloatKnob wheelRoll{knobs(),     "wheel-roll", 0,
                         {-180, 180}, "degrees",    "How far the wheels have rolled forwards"};
-    IntKnob turns{
-        knobs(), "turns", 0, {0, 10'000'000, true}, "", "Turns the car left so often, by atan 0.01 each"};
+    IntKnob turns{knobs(), "turns", 0, {0, 10'000'000}, "", "Turns the car left so often, by atan 0.01 each"};
     ChoiceKnob update{knobs(),
                       "update",
                       {"exact", "rounded", "product", "card", "card-mirrored"},
                       0,
                       "How R is turned: see README"};
     IntKnob every{knobs(), "renormalize-every",
-                  0,       {0, 1'000'000, true},
+                  0,       {0, 10'000},
                   "turns", "Makes R orthonormal after so many turns; 0: never"};
     ChoiceKnob renormalizer{knobs(),
                             "renormalizer",
                             {"gram-schmidt", "newton-schulz", "nearest", "duff"},
                             0,
                             "How R is made orthonormal"};
-    FloatKnob far{knobs(), "far",
-                  0,       {0, 100'000'000, true},
-                  "m",     "Moves the whole world so far along x and z from its origin"};
+    FloatKnob far{knobs(),          "far", 0,
+                  {0, 100'000'000}, "m",   "Moves the whole world so far along x and z from its origin"};
     BoolKnob cameraRelative{knobs(), "camera-relative", true,
                             "Subtracts the camera's place in double before anything becomes float"};
     BoolKnob axes{knobs(), "axes", false, "Draws the car's axes: x red, y green, z blue"};
@@ -96,7 +95,6 @@ class CarCameraLab final : public Lab {
     /// The knobs are where the keys put them.
     bool showsDriven() const;
     void drive(const CarState& next);
-    void sayWhatIsIdle();
     glm::dmat3 driftedTurn() const;
     Camera cameraOf(const CarState& car, const Frame& frame) const;
 
