@@ -114,8 +114,8 @@ Mesh body() {
     for (std::size_t i = 0; i < keep.size(); ++i) {
         const auto corner = [&](std::size_t k) { return closed.positions[closed.indices[3 * i + k]]; };
         const glm::vec3 middle = (corner(0) + corner(1) + corner(2)) / 3.0f;
-        const float across = std::pow(std::abs(middle.x) / 0.68f, 3.2f);
-        const float along = std::pow(std::abs(middle.z - 0.6f) / 1.12f, 3.2f);
+        const float across = std::pow(std::abs(middle.x) / 0.735f, 3.2f);
+        const float along = std::pow(std::abs(middle.z - 0.6f) / 1.15f, 3.2f);
         keep[i] = !(middle.y > 0.8f && across + along < 1 && middle.z < 1.62f);
     }
     return subset(closed, keep, "car body");
@@ -299,7 +299,8 @@ void addInside(BodyParts& parts) {
     parts.lining.tube(std::array{glm::vec3(-0.52f, 1.375f, 0.96f), glm::vec3(-0.26f, 1.40f, 1.0f),
                                  glm::vec3(0.26f, 1.40f, 1.0f), glm::vec3(0.52f, 1.375f, 0.96f)},
                       0.032f, 8);
-    parts.dark.append(tessellate(Capsule{0.035, 0.09}, 12), at({0, 1.325f, 1.0f}) * turnedBy(90, {0, 0, 1}));
+    parts.dark.append(tessellate(Capsule{0.022, 0.06}, 12),
+                      at({-0.05f, 1.35f, 1.06f}) * turnedBy(90, {0, 0, 1}));
     // The wheel, tilted towards the driver, with two spokes.
     const glm::mat4 wheel = at({0.34f, 0.95f, 1.20f}) * turnedBy(-62, {1, 0, 0});
     parts.dark.append(tessellate(Torus{0.185, 0.014}, 24), wheel);
