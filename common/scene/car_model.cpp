@@ -294,8 +294,9 @@ void addInside(BodyParts& parts) {
             0.028f, 8);
     for (const float side : {-1.0f, 1.0f})
         parts.lining.tube(
-            std::array{glm::vec3(side * 0.70f, 0.915f, -0.2f), glm::vec3(side * 0.70f, 0.92f, 1.5f)}, 0.035f,
-            6);
+            std::array{glm::vec3(side * 0.70f, 0.915f, -0.2f), glm::vec3(side * 0.69f, 0.92f, 0.8f),
+                       glm::vec3(side * 0.655f, 0.925f, 1.25f), glm::vec3(side * 0.58f, 0.93f, 1.58f)},
+            0.05f, 6);
     parts.lining.tube(std::array{glm::vec3(-0.52f, 1.375f, 0.96f), glm::vec3(-0.26f, 1.40f, 1.0f),
                                  glm::vec3(0.26f, 1.40f, 1.0f), glm::vec3(0.52f, 1.375f, 0.96f)},
                       0.032f, 8);
