@@ -155,4 +155,21 @@ std::string ChoiceKnob::allowed() const {
     return fmt::format("{}", fmt::join(options_, "|"));
 }
 
+TextKnob::TextKnob(KnobSet& owner, std::string name, std::string value, std::string allowed, std::string help)
+    : Knob(owner, std::move(name), {}, std::move(help)),
+      value_(std::move(value)),
+      default_(value_),
+      allowed_(std::move(allowed)) {
+    rememberDefault();
+}
+
+void TextKnob::parse(std::string_view text) {
+    constexpr std::size_t longest = 4096;
+    const bool hasControl =
+        std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 32; });
+    if (text.size() > longest || hasControl)
+        throw refused(*this, text);
+    value_ = text;
+}
+
 }  // namespace quincunx

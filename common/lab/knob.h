@@ -154,6 +154,25 @@ class ChoiceKnob final : public Knob {
     int default_;
 };
 
+/// Words: the name of a file, say. What they mean the lab finds out when it draws; control characters and
+/// texts over 4096 bytes are an InputError at once.
+class TextKnob final : public Knob {
+  public:
+    /// `allowed`: for help and errors, as Knob::allowed.
+    TextKnob(KnobSet& owner, std::string name, std::string value, std::string allowed, std::string help);
+    const std::string& value() const { return value_; }
+    void set(std::string value) { value_ = std::move(value); }
+    std::string text() const override { return value_; }
+    void parse(std::string_view text) override;
+    std::string allowed() const override { return allowed_; }
+    void reset() override { value_ = default_; }
+
+  private:
+    std::string value_;
+    std::string default_;
+    std::string allowed_;
+};
+
 /// Puts all knobs back to the values they had, at the end of a scope.
 class KnobScope {
   public:

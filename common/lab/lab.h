@@ -97,6 +97,23 @@ struct Sweep {
     std::function<SweepSample(Studio&, const Frame&)> measure;
 };
 
+/// How long a person held the keys of movement down since they were last asked for, in seconds, so that
+/// nothing is lost however seldom that is. Opposite keys cancel; two keys for one thing add up.
+struct HeldSeconds {
+    double forwards = 0;  ///< W, up arrow; less S, down arrow
+    double left = 0;      ///< A, left arrow; less D, right arrow
+    double up = 0;        ///< E, less Q
+
+    bool operator==(const HeldSeconds&) const = default;
+};
+
+/// A key that a lab answers to in the window.
+struct LabKey {
+    char key = ' ';                      ///< 'A' … 'Z' or '0' … '9', none that the window itself uses
+    std::string what;                    ///< one line of help
+    std::function<std::string()> press;  ///< returns what to tell the person; may be nothing
+};
+
 /// One topic of the exam: its knobs, how a frame of it is drawn, and what can be asked of it.
 class Lab {
   public:
@@ -120,6 +137,21 @@ class Lab {
     virtual Camera defaultCamera() const = 0;
     /// What the window's orbit camera turns about, and how far it may go.
     virtual Bounds sceneBounds() const = 0;
+
+    /// Says by Knob::setIdle which knobs are without effect at the values that the others have.
+    virtual void markIdleKnobs() {}
+
+    /// The camera where the lab holds it itself, for the picture as its knobs say; none where the camera is
+    /// the frame's, and the person's.
+    virtual std::optional<Camera> ownCamera() const { return {}; }
+
+    /// For what moves or is driven, in a window. While `takesControls`, W A S D, E and Q and the arrows are
+    /// the lab's; while `isMoving`, it goes on without a hand. Then `advance` is called once a frame with the
+    /// time since the last call, and changes the knobs that the picture is drawn by; true if it changed any.
+    virtual bool takesControls() const { return false; }
+    virtual bool isMoving() const { return false; }
+    virtual bool advance(double /*seconds*/, const HeldSeconds& /*held*/) { return false; }
+    virtual std::vector<LabKey> keys() { return {}; }
 
     /// Work that makes the reference picture (linear light) of this frame on the CPU, on any thread, without
     /// touching the lab again; it may give up, returning an empty image, once `stop` is set. Empty: no

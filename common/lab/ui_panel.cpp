@@ -1,6 +1,7 @@
 #include "lab/ui_panel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -85,6 +86,15 @@ bool drawControl(ChoiceKnob& knob) {
     return changed;
 }
 
+bool drawControl(TextKnob& knob) {
+    std::array<char, 256> buffer{};
+    knob.text().copy(buffer.data(), buffer.size() - 1);
+    if (!ImGui::InputText("##value", buffer.data(), buffer.size(), ImGuiInputTextFlags_EnterReturnsTrue))
+        return false;
+    knob.set(buffer.data());
+    return true;
+}
+
 bool drawControl(Knob& knob) {
     if (auto* number = dynamic_cast<FloatKnob*>(&knob))
         return drawControl(*number);
@@ -94,6 +104,8 @@ bool drawControl(Knob& knob) {
         return drawControl(*choice);
     if (auto* onOff = dynamic_cast<BoolKnob*>(&knob))
         return drawControl(*onOff);
+    if (auto* words = dynamic_cast<TextKnob*>(&knob))
+        return drawControl(*words);
     ImGui::TextUnformatted(knob.text().c_str());
     return false;
 }
@@ -151,7 +163,9 @@ bool drawKnob(Knob& knob, std::size_t index, float points) {
         std::string help = knob.help();
         if (!knob.idle().empty())
             help += "\nWithout effect: " + knob.idle();
-        if (dynamic_cast<BoolKnob*>(&knob) == nullptr && dynamic_cast<ChoiceKnob*>(&knob) == nullptr)
+        if (dynamic_cast<TextKnob*>(&knob) != nullptr)
+            help += fmt::format("\n{}; Enter takes it", knob.allowed());
+        else if (dynamic_cast<BoolKnob*>(&knob) == nullptr && dynamic_cast<ChoiceKnob*>(&knob) == nullptr)
             help += fmt::format("\n{}; Ctrl-click to type", knob.allowed());
         help += fmt::format("\nRight-click for the default, {}", knob.defaultText());
         tooltip(help, points);

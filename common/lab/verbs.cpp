@@ -221,6 +221,7 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
     ComingModel model(draw.model);
     const auto withModel = [&] {
         state.modelFingerprint = model.deliver(lab, state.modelFingerprint);
+        lab.markIdleKnobs();
         for (const auto& [name, value] : options.knobs)
             if (const std::string& idle = lab.knobs().find(name).idle(); !idle.empty())
                 say(fmt::format("warning: --{}: without effect; {}", name, idle));

@@ -70,11 +70,14 @@ class ImGuiSession {
     ImGuiSession& operator=(const ImGuiSession&) = delete;
 };
 
-/// How long each of the keys that fly was down since it was last asked; exact however seldom that is.
+/// How long each of the keys that move something was down since it was last asked; exact however seldom that
+/// is.
 class HeldKeys {
   public:
-    static constexpr std::array keys = {GLFW_KEY_D, GLFW_KEY_A, GLFW_KEY_E,
-                                        GLFW_KEY_Q, GLFW_KEY_W, GLFW_KEY_S};
+    static constexpr std::array keys = {GLFW_KEY_D,  GLFW_KEY_A,   GLFW_KEY_E,     GLFW_KEY_Q,
+                                        GLFW_KEY_W,  GLFW_KEY_S,   GLFW_KEY_RIGHT, GLFW_KEY_LEFT,
+                                        GLFW_KEY_UP, GLFW_KEY_DOWN};
+    static bool isArrow(int key) { return key >= GLFW_KEY_RIGHT && key <= GLFW_KEY_UP; }
 
     void set(int key, bool down) {
         const auto found = std::find(keys.begin(), keys.end(), key);
@@ -89,12 +92,13 @@ class HeldKeys {
             set(key, false);
     }
     bool any() const { return std::find(down_.begin(), down_.end(), true) != down_.end(); }
-    /// Right minus left, up minus down, forwards minus backwards, in seconds; starts anew.
-    glm::dvec3 take() {
+    /// Starts anew.
+    HeldSeconds take() {
         for (std::size_t i = 0; i < keys.size(); ++i)
             settle(i);
-        const glm::dvec3 result(seconds_[0] - seconds_[1], seconds_[2] - seconds_[3],
-                                seconds_[4] - seconds_[5]);
+        const HeldSeconds result{.forwards = seconds_[4] - seconds_[5] + seconds_[8] - seconds_[9],
+                                 .left = seconds_[1] - seconds_[0] + seconds_[7] - seconds_[6],
+                                 .up = seconds_[2] - seconds_[3]};
         seconds_.fill(0);
         return result;
     }
@@ -205,6 +209,7 @@ class LabWindow {
         state_.lab = entry.folder();
         state_.renderer = window_.renderer();
         state_.frame.pictureFormat = graph::Format::rgba8Srgb;
+        labKeys_ = lab.keys();
         installCallbacks();
         glfwGetCursorPos(window_.glfw(), &cursor_.x, &cursor_.y);
         imgui_.emplace(window_.glfw());
@@ -220,7 +225,7 @@ class LabWindow {
             if (uiFrames_ > 0 || stale_)
                 present();
             // All that was done before the key is in the picture.
-            if (screenshotWanted_ && ((uiFrames_ == 0 && !stale_) || held_.any()))
+            if (screenshotWanted_ && ((uiFrames_ == 0 && !stale_) || held_.any() || lab_.isMoving()))
                 writeScreenshot();
             wait();
         }
@@ -251,10 +256,12 @@ class LabWindow {
         return all;
     }
 
-    static std::vector<KeyHelp> help() {
+    std::vector<KeyHelp> help() const {
         std::vector<KeyHelp> lines;
         for (const KeyBinding& binding : bindings())
             lines.push_back({binding.names, binding.what});
+        for (const LabKey& key : labKeys_)
+            lines.push_back({std::string(1, key.key), key.what});
         lines.push_back({"Orbit", "left drag turns, right or middle drag moves, wheel zooms"});
         lines.push_back({"Fly", "drag looks around, W A S D moves, E up, Q down, wheel: speed"});
         lines.push_back({"Knobs", "right-click for the default, Ctrl-click to type a value"});
@@ -321,11 +328,30 @@ class LabWindow {
             held_.set(key, false);
         if (action != GLFW_PRESS || ImGui::GetIO().WantTextInput)
             return;
-        if (camera_.mode() == CameraControl::Mode::fly)
+        // Arrows step through the panel's fields while one of those is lit, and through open lists.
+        const bool arrow = HeldKeys::isArrow(key);
+        const bool steps = ImGui::GetIO().NavVisible || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+        const bool drives = lab_.takesControls() && !(arrow && steps);
+        if (drives || (camera_.mode() == CameraControl::Mode::fly && !arrow))
             held_.set(key, true);
         for (const KeyBinding& binding : bindings())
             if (std::find(binding.keys.begin(), binding.keys.end(), key) != binding.keys.end())
                 (this->*binding.press)();
+        for (const LabKey& labKey : labKeys_)
+            if (key == labKey.key)
+                pressLabKey(labKey);
+    }
+
+    void pressLabKey(const LabKey& key) {
+        try {
+            if (std::string told = key.press(); !told.empty())
+                notice_ = std::move(told);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const Error& e) {
+            notice_ = e.what();
+        }
+        settingsChanged();
     }
 
     /// True where the mouse is over the picture and nothing lies above it.
@@ -344,7 +370,7 @@ class LabWindow {
     void onCursor(glm::dvec2 position) {
         const glm::dvec2 drag = (position - cursor_) / static_cast<double>(window_.screenSize().y);
         cursor_ = position;
-        if (!dragButton_)
+        if (!dragButton_ || lab_.ownCamera())
             return;
         if (*dragButton_ == GLFW_MOUSE_BUTTON_LEFT || camera_.mode() == CameraControl::Mode::fly)
             camera_.turn(drag);
@@ -354,7 +380,7 @@ class LabWindow {
     }
 
     void onScroll(double notches) {
-        if (!overPicture())
+        if (!overPicture() || lab_.ownCamera())
             return;
         camera_.zoom(notches);
         cameraMoved();
@@ -416,12 +442,14 @@ class LabWindow {
     }
 
     void advance() {
-        if (camera_.mode() == CameraControl::Mode::fly) {
-            const glm::dvec3 seconds = held_.take();
-            if (seconds != glm::dvec3(0)) {
-                camera_.fly(seconds);
+        const Clock::time_point now = Clock::now();
+        const double elapsed = Seconds(now - std::exchange(lastAdvance_, now)).count();
+        if (const HeldSeconds held = held_.take(); lab_.takesControls() || lab_.isMoving()) {
+            if ((lab_.isMoving() || held != HeldSeconds{}) && lab_.advance(elapsed, held))
                 cameraMoved();
-            }
+        } else if (held != HeldSeconds{} && camera_.mode() == CameraControl::Mode::fly) {
+            camera_.fly({-held.left, held.up, held.forwards});
+            cameraMoved();
         }
         if (Clock::now() - lastReload_ >= reloadInterval)
             guarded([this] { reload(); });
@@ -505,7 +533,7 @@ class LabWindow {
         const glm::ivec2 size = pictureSize();
         state_.frame.width = size.x;
         state_.frame.height = size.y;
-        state_.frame.camera = camera_.camera();
+        state_.frame.camera = lab_.ownCamera().value_or(camera_.camera());
         const gl::Texture2D& picture = runTimed();
         if (!shown_ || shown_->size() != size) {
             ShownPicture next;
@@ -588,7 +616,9 @@ class LabWindow {
             text.facts.emplace_back("against", lab_.referenceName());
         text.facts.emplace_back("renderer", state_.renderer);
         text.camera =
-            camera_.mode() == CameraControl::Mode::orbit
+            lab_.takesControls() ? "The camera is the lab's. W A S D or the arrows drive; H lists the keys."
+            : lab_.ownCamera()   ? "The camera is the lab's."
+            : camera_.mode() == CameraControl::Mode::orbit
                 ? "Orbit: drag turns, right drag moves, wheel zooms. C flies."
                 : fmt::format("Fly at {:.3g} a second: W A S D, E up, Q down, drag looks. C orbits.",
                               camera_.speed());
@@ -605,6 +635,7 @@ class LabWindow {
         ImGui::NewFrame();
         const float points = pointsToScreen();
         if (panelOpen_) {
+            lab_.markIdleKnobs();
             const PanelActions actions = drawPanel(lab_.knobs(), panelText(), points);
             if (actions.knobsChanged)
                 settingsChanged();
@@ -653,7 +684,7 @@ class LabWindow {
     /// Sleeps until there is something to do, so that a resting window costs nothing.
     void wait() {
         const bool measuring = fault_.empty() && !times_.enough();
-        if (uiFrames_ > 0 || stale_ || measuring || screenshotWanted_ || held_.any()) {
+        if (uiFrames_ > 0 || stale_ || measuring || screenshotWanted_ || held_.any() || lab_.isMoving()) {
             window_.pollEvents();
             return;
         }
@@ -661,6 +692,8 @@ class LabWindow {
         if (!compared_ && fault_.empty())
             until = std::min<Seconds>(until, lastChange_ + comparisonDelay - Clock::now());
         glfwWaitEventsTimeout(std::max(until.count(), 1e-3));
+        // Nothing moved while the window slept.
+        lastAdvance_ = Clock::now();
         if (ImGui::GetIO().WantTextInput)
             uiFrames_ = std::max(uiFrames_, 1);
     }
@@ -676,6 +709,7 @@ class LabWindow {
     std::optional<gl::Texture2D> map_;
     FrameTimes times_;
     HeldKeys held_;
+    std::vector<LabKey> labKeys_;
 
     bool stale_ = false;  ///< the picture is not what knobs and camera say
     bool redrawWhenRestored_ = false;
@@ -698,6 +732,7 @@ class LabWindow {
     bool compared_ = false;
     Clock::time_point lastChange_ = Clock::now();
     Clock::time_point lastReload_ = Clock::now();
+    Clock::time_point lastAdvance_ = Clock::now();
     LiveError liveError_;
 };
 

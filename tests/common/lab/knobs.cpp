@@ -85,5 +85,23 @@ TEST(Knobs, AreRestoredAtTheEndOfAScope) {
     EXPECT_EQ(knobs.bias.defaultText(), "2");
 }
 
+TEST(TextKnob, TakesWordsButNoControlCharacters) {
+    KnobSet set;
+    TextKnob file(set, "path", "off", "off, or a file", "What is played");
+    EXPECT_EQ(file.value(), "off");
+    for (const char* text : {"drives/a b.json", "", "größe", "off"}) {
+        file.parse(text);
+        EXPECT_EQ(file.text(), text);
+    }
+    file.parse("kept");
+    EXPECT_THROW(file.parse("two\nlines"), InputError);
+    EXPECT_THROW(file.parse(std::string(5000, 'x')), InputError);
+    EXPECT_EQ(file.value(), "kept");
+    EXPECT_EQ(messageOf([&] { file.parse("\x01"); }),
+              "--path: \"\\x01\" is not a value; give off, or a file");
+    file.reset();
+    EXPECT_EQ(file.value(), "off");
+}
+
 }  // namespace
 }  // namespace quincunx

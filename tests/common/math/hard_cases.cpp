@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "math/transform_hard_cases.h"
+#include "math/rigid_motion_hard_cases.h"
 
 namespace quincunx {
 namespace {
@@ -47,10 +48,13 @@ std::string nameOf(const testing::TestParamInfo<HardCase>& info) {
 const auto shading = shadingHardCases();
 const auto frames = frameHardCases();
 const auto transforms = transformHardCases();
+const auto rigidMotions = rigidMotionHardCases();
 INSTANTIATE_TEST_SUITE_P(Shading, HardCases, testing::ValuesIn(shading.begin(), shading.end()), nameOf);
 INSTANTIATE_TEST_SUITE_P(Transforms, HardCases, testing::ValuesIn(transforms.begin(), transforms.end()),
                          nameOf);
 INSTANTIATE_TEST_SUITE_P(Frames, HardCases, testing::ValuesIn(frames.begin(), frames.end()), nameOf);
+INSTANTIATE_TEST_SUITE_P(RigidMotions, HardCases, testing::ValuesIn(rigidMotions.begin(), rigidMotions.end()),
+                         nameOf);
 
 }  // namespace
 }  // namespace quincunx
