@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "math/rotation_hard_cases.h"
+
 namespace quincunx {
 namespace {
 
@@ -46,6 +48,13 @@ const auto shading = shadingHardCases();
 const auto frames = frameHardCases();
 INSTANTIATE_TEST_SUITE_P(Shading, HardCases, testing::ValuesIn(shading.begin(), shading.end()), nameOf);
 INSTANTIATE_TEST_SUITE_P(Frames, HardCases, testing::ValuesIn(frames.begin(), frames.end()), nameOf);
+
+const auto quaternions = quaternionHardCases();
+const auto orientations = orientationHardCases();
+INSTANTIATE_TEST_SUITE_P(Quaternions, HardCases, testing::ValuesIn(quaternions.begin(), quaternions.end()),
+                         nameOf);
+INSTANTIATE_TEST_SUITE_P(Orientations, HardCases, testing::ValuesIn(orientations.begin(), orientations.end()),
+                         nameOf);
 
 }  // namespace
 }  // namespace quincunx
