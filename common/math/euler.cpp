@@ -79,8 +79,32 @@ std::optional<glm::mat3> matrixFromEuler(EulerAngles angles, EulerOrder order) {
     if (!isFinite(angles))
         return std::nullopt;
     const std::array<int, 3> axes = eulerAxes(order);
-    return glm::mat3(turnAbout(axes[0], angles.about(axes[0])) * turnAbout(axes[1], angles.about(axes[1])) *
-                     turnAbout(axes[2], angles.about(axes[2])));
+    const int i = axes[0];
+    const int j = axes[1];
+    const int k = axes[2];
+    // The product written out for i, j, k = x, y, z; where these are an odd permutation, all turns reverse.
+    const double sign = parity(axes);
+    const double a = angles.about(i);
+    const double b = angles.about(j);
+    const double c = angles.about(k);
+    const double sinA = sign * std::sin(a);
+    const double cosA = std::cos(a);
+    const double sinB = sign * std::sin(b);
+    const double cosB = std::cos(b);
+    const double sinC = sign * std::sin(c);
+    const double cosC = std::cos(c);
+    const auto f = [](double x) { return static_cast<float>(x); };
+    glm::mat3 m;
+    m[i][i] = f(cosB * cosC);
+    m[j][i] = f(-cosB * sinC);
+    m[k][i] = f(sinB);
+    m[i][j] = f(cosA * sinC + sinA * sinB * cosC);
+    m[j][j] = f(cosA * cosC - sinA * sinB * sinC);
+    m[k][j] = f(-sinA * cosB);
+    m[i][k] = f(sinA * sinC - cosA * sinB * cosC);
+    m[j][k] = f(sinA * cosC + cosA * sinB * sinC);
+    m[k][k] = f(cosA * cosB);
+    return m;
 }
 
 std::optional<glm::quat> quaternionFromEuler(EulerAngles angles, EulerOrder order) {

@@ -138,47 +138,60 @@ double largestEntry(const glm::dmat3& m) {
     return largest;
 }
 
-/// The nearest rotation of what is close to a multiple of one; none if m is farther from that.
-std::optional<glm::dquat> nearestOfNearly(const glm::dmat3& m) {
-    const double squaredSize = glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]);
-    const double s = std::sqrt(squaredSize / 3);
+std::optional<glm::dquat> nearestOfAny(const glm::mat3& m) {
+    const glm::dmat3 wide(m);
+    const double largest = largestEntry(wide);
+    if (!isUsable(largest) || !hasRankTwo(m) || determinant(m) < 0)
+        return std::nullopt;
+    return nearestByJacobi(wide, largest);
+}
+
+/// Hands `use` the nearest rotation (w, x, y, z; w ≥ 0) of what is close to a multiple of one; false if m is
+/// farther from that. Numbers one by one, not as vectors: those would go through memory.
+template <typename Matrix, typename Use>
+bool nearestOfNearly(const Matrix& m, const Use& use) {
+    const double m00 = m[0][0], m01 = m[0][1], m02 = m[0][2];
+    const double m10 = m[1][0], m11 = m[1][1], m12 = m[1][2];
+    const double m20 = m[2][0], m21 = m[2][1], m22 = m[2][2];
+    const double squaredSize = ((m00 * m00 + m01 * m01) + (m02 * m02 + m10 * m10)) +
+                               ((m11 * m11 + m12 * m12) + (m20 * m20 + m21 * m21)) + m22 * m22;
+    // √x = (1 + x)/2 − (x − 1)²/8 + …: where x is near 1, as for every rotation, no root need be waited for.
+    const double meanSquare = squaredSize * (1.0 / 3);
+    const double s = std::abs(meanSquare - 1) < 0x1p-16 ? 0.5 * (1 + meanSquare) : std::sqrt(meanSquare);
     // The diagonal of N + s I is 4 s times the squares of w, x, y, z.
-    const double ww = s + m[0][0] + m[1][1] + m[2][2];
-    const double xx = s + m[0][0] - m[1][1] - m[2][2];
-    const double yy = s - m[0][0] + m[1][1] - m[2][2];
-    const double zz = s - m[0][0] - m[1][1] + m[2][2];
-    const double wx = m[1][2] - m[2][1];
-    const double wy = m[2][0] - m[0][2];
-    const double wz = m[0][1] - m[1][0];
-    const double xy = m[0][1] + m[1][0];
-    const double zx = m[2][0] + m[0][2];
-    const double yz = m[1][2] + m[2][1];
-    glm::dquat column(ww, wx, wy, wz);
-    double largest = ww;
-    if (xx > largest) {
-        largest = xx;
-        column = glm::dquat(wx, xx, xy, zx);
-    }
-    if (yy > largest) {
-        largest = yy;
-        column = glm::dquat(wy, xy, yy, yz);
-    }
-    if (zz > largest)
-        column = glm::dquat(wz, zx, yz, zz);
-    const glm::dquat q(ww * column.w + wx * column.x + wy * column.y + wz * column.z,
-                       wx * column.w + xx * column.x + xy * column.y + zx * column.z,
-                       wy * column.w + xy * column.x + yy * column.y + yz * column.z,
-                       wz * column.w + zx * column.x + yz * column.y + zz * column.z);
+    const double ww = (s + m00) + (m11 + m22);
+    const double xx = (s + m00) - (m11 + m22);
+    const double yy = (s - m00) + (m11 - m22);
+    const double zz = (s - m00) - (m11 - m22);
+    const double wx = m12 - m21;
+    const double wy = m20 - m02;
+    const double wz = m01 - m10;
+    const double xy = m01 + m10;
+    const double zx = m20 + m02;
+    const double yz = m12 + m21;
+    // The column with the largest diagonal entry, found without a branch: which it is cannot be foreseen.
+    const double columns[4][4] = {{ww, wx, wy, wz}, {wx, xx, xy, zx}, {wy, xy, yy, yz}, {wz, zx, yz, zz}};
+    const int amongFirst = xx > ww ? 1 : 0;
+    const int amongLast = zz > yy ? 3 : 2;
+    const double* const column = columns[std::max(yy, zz) > std::max(ww, xx) ? amongLast : amongFirst];
+    const double cw = column[0], cx = column[1], cy = column[2], cz = column[3];
+    const double w = (ww * cw + wx * cx) + (wy * cy + wz * cz);
+    const double x = (wx * cw + xx * cx) + (xy * cy + zx * cz);
+    const double y = (wy * cw + xy * cx) + (yy * cy + yz * cz);
+    const double z = (wz * cw + zx * cx) + (yz * cy + zz * cz);
     // With λ the largest eigenvalue of N, at most 3 s, |q| / |column| ≤ λ + s. Where the quotient's square is
     // above 16 s² (1 − τ): λ > s (3 − 2τ); the squares of the other eigenvalues' distances from −s sum up to
     // less than 16 τ s² (the eigenvalues' sum is 0, that of their squares 12 s²); the column is within √τ of
     // the eigenvector, and multiplied once more within τ.
     constexpr double tau = 0x1p-32;
-    const double squared = squaredNormOf(q);
-    if (squared >= 16 * (1 - tau) * (s * s) * squaredNormOf(column) && squared > smallestSafeSquare &&
-        squared < largestSafeSquare) [[likely]]
-        return withPositiveW(q * (1 / std::sqrt(squared)));
-    return std::nullopt;
+    const double squared = (w * w + x * x) + (y * y + z * z);
+    const double squaredColumn = (cw * cw + cx * cx) + (cy * cy + cz * cz);
+    if (!(squared >= 16 * (1 - tau) * (s * s) * squaredColumn && squared > smallestSafeSquare &&
+          squared < largestSafeSquare)) [[unlikely]]
+        return false;
+    const double scale = std::copysign(1 / std::sqrt(squared), w);
+    use(w * scale, x * scale, y * scale, z * scale);
+    return true;
 }
 
 /// Axis of length 1 and the double sine and cosine of half the angle.
@@ -265,17 +278,17 @@ glm::mat3 matrixFromQuaternionNaive(glm::quat q) {
 }
 
 std::optional<glm::dquat> nearestRotation(const glm::mat3& m) {
-    const glm::dmat3 wide(m);
-    if (const std::optional<glm::dquat> q = nearestOfNearly(wide)) [[likely]]
+    std::optional<glm::dquat> q;
+    if (nearestOfNearly(m, [&](double w, double x, double y, double z) { q = glm::dquat(w, x, y, z); }))
+        [[likely]]
         return q;
-    const double largest = largestEntry(wide);
-    if (!isUsable(largest) || !hasRankTwo(m) || determinant(m) < 0)
-        return std::nullopt;
-    return nearestByJacobi(wide, largest);
+    return nearestOfAny(m);
 }
 
 std::optional<glm::dquat> nearestRotation(const glm::dmat3& m) {
-    if (const std::optional<glm::dquat> q = nearestOfNearly(m)) [[likely]]
+    std::optional<glm::dquat> q;
+    if (nearestOfNearly(m, [&](double w, double x, double y, double z) { q = glm::dquat(w, x, y, z); }))
+        [[likely]]
         return q;
     const double largest = largestEntry(m);
     if (!isUsable(largest))
@@ -288,7 +301,12 @@ std::optional<glm::dquat> nearestRotation(const glm::dmat3& m) {
 }
 
 std::optional<glm::quat> quaternionFromMatrix(const glm::mat3& m) {
-    const std::optional<glm::dquat> q = nearestRotation(m);
+    std::optional<glm::quat> near;
+    if (nearestOfNearly(m, [&](double w, double x, double y, double z) {
+            near = rounded({w, x, y, z});
+        })) [[likely]]
+        return near;
+    const std::optional<glm::dquat> q = nearestOfAny(m);
     return q ? std::optional(rounded(*q)) : std::nullopt;
 }
 

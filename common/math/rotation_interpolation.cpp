@@ -33,8 +33,11 @@ double nearerSign(glm::quat a, glm::quat b, double squaredA, double squaredB) {
 }
 
 glm::quat extrapolate(const Ends& ends, double s) {
-    const glm::dquat apart = ends.b - ends.a;
-    const glm::dquat together = ends.b + ends.a;
+    const glm::dquat a = ends.a * std::sqrt(ends.squaredB);
+    const glm::dquat b = ends.b * (ends.lengths / std::sqrt(ends.squaredB));
+    // Both are |a||b| long.
+    const glm::dquat apart = b - a;
+    const glm::dquat together = b + a;
     const double sine = std::sqrt(glm::dot(apart, apart));
     const double cosine = std::sqrt(glm::dot(together, together));
     const double half = std::atan2(sine, cosine);
