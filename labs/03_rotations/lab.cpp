@@ -90,6 +90,7 @@ graph::Resource RotationsLab::build(graph::FrameGraph& graph, const Frame& frame
     for (FloatKnob* knob : {&fromHead, &fromPitch, &fromRoll, &t})
         knob->setIdle(shown == View::interpolation ? "" : "only the interpolation has a start");
     method.setIdle(shown == View::interpolation ? "" : "only the interpolation has a method");
+    renormalizeEvery.setIdle("only the sweep of drift multiplies turns");
     rings.setIdle(shown == View::gimbal ? "" : "the other views need their rings, or have none");
     const PictureTargets targets =
         addPictureTargets(graph, {frame.pictureFormat, frame.width, frame.height, supersample});

@@ -56,6 +56,10 @@ class RotationsLab final : public Lab {
                       {methodNames.begin(), methodNames.end()},
                       static_cast<int>(Method::slerp),
                       "What the last panel of the interpolation shows"};
+    IntKnob renormalizeEvery{
+        knobs(),    "renormalize-every",
+        16,         {0, 1 << 20, true},
+        "products", "Small turns between renormalisations in the sweep of drift; 0: never"};
     BoolKnob rings{knobs(), "rings", true, "Draw the gimbal around the aeroplane"};
     BoolKnob notes{knobs(), "notes", true, "Write names and figures into the picture"};
     IntKnob supersample{knobs(), "supersample", 2,

@@ -28,7 +28,7 @@ glm::mat3 poseAt(const Flight& flight, Method method, float t) {
         case Method::matrixGramSchmidt:
             return matrixLerpGramSchmidtNaive(matrixOf(a), matrixOf(b), t);
         case Method::nlerp:
-            return matrixOf(nlerp(a, b, t));
+            return matrixOf(slerpFast<0>(a, b, t));
         case Method::slerp1:
             return matrixOf(slerpFast<1>(a, b, t));
         case Method::slerp2:
