@@ -130,7 +130,7 @@ void RotationsLab::say(const std::string& words, glm::vec2 at, float size, Label
     labels_.text(words, at, style);
 }
 
-/// Draws what lines and labels have gathered in the space of the world, and empties them.
+/// Draws the labels over all else, and makes room for the next panel's.
 void RotationsLab::finish(graph::PassContext& context, const Panel& panel) {
     labels_.draw(context, panel.size());
     labels_.clear();
@@ -205,7 +205,7 @@ void RotationsLab::drawGimbal(graph::PassContext& context, const Panel& panel, E
             const int axis = axes[static_cast<std::size_t>(ring)];
             const glm::vec3 direction(directions[ring]);
             lines_.segment(-1.6f * direction, 1.6f * direction,
-                           {glm::vec4(lettering(axis), 0.22f), 2 * unit});
+                           {glm::vec4(lettering(axis), 0.5f), (ring == 0 ? 8.0f : 3.0f) * unit});
         }
         lines_.draw(context, {panel.view.clipFromWorld, panel.size(), false});
         lines_.clear();
