@@ -39,15 +39,25 @@ EulerAngles extract(const glm::dmat3& m, EulerOrder order) {
     const double sign = parity(axes);
     EulerAngles angles;
     // M = Ri(α) Rj(β) Rk(γ): column k of M is Ri(α) Rj(β) ek = sin β ei ± cos β (∓ sin α, cos α).
-    // In lock, cos β is lost in the rounding of the entries: 8 u.
     const double y = -sign * m[k][j];
     const double x = m[k][k];
-    const double alpha = std::hypot(x, y) > 0x1p-50 ? std::atan2(y, x) : 0;
+    const double squared = x * x + y * y;
+    // In lock, cos β is lost in the rounding of the entries: 8 u.
+    double alpha = 0;
+    double cosAlpha = 1;
+    double sinAlpha = 0;
+    if (squared > 0x1p-100) [[likely]] {
+        const double scale = 1 / std::sqrt(squared);
+        alpha = std::atan2(y, x);
+        cosAlpha = x * scale;
+        sinAlpha = y * scale;
+    }
     angles.about(i) = static_cast<float>(alpha);
 
-    const double rounded = angles.about(i);
-    const double c = std::cos(rounded);
-    const double s = sign * std::sin(rounded);
+    // Sine and cosine of the rounded angle: the rounding is 2^-23 at most, its square is lost.
+    const double rounding = alpha - static_cast<double>(angles.about(i));
+    const double c = cosAlpha + sinAlpha * rounding;
+    const double s = sign * (sinAlpha - cosAlpha * rounding);
     // Rows j and k of Ri(−α) M, which is Rj(β) Rk(γ) but for the rounding of α.
     const auto rowJ = [&](int column) { return c * m[column][j] + s * m[column][k]; };
     const double cosMiddle = c * m[k][k] - s * m[k][j];

@@ -207,7 +207,7 @@ std::optional<HalfTurn> halfTurn(glm::vec3 axis, float radians) {
     if (!isUsable(squared) || !std::isfinite(radians))
         return std::nullopt;
     const double half = 0.5 * static_cast<double>(radians);
-    return HalfTurn{d / std::sqrt(squared), std::sin(half), std::cos(half)};
+    return HalfTurn{d * (1 / std::sqrt(squared)), std::sin(half), std::cos(half)};
 }
 
 }  // namespace
@@ -336,7 +336,7 @@ std::optional<AxisAngle> axisAngleFromQuaternion(glm::quat q) {
     if (sine == 0)
         return AxisAngle{};
     const double w = q.w;
-    return AxisAngle{glm::vec3(v / (w < 0 ? -sine : sine)),
+    return AxisAngle{glm::vec3(v * std::copysign(1 / sine, w)),
                      static_cast<float>(2 * std::atan2(sine, std::abs(w)))};
 }
 
@@ -408,7 +408,7 @@ std::optional<glm::quat> shortestArc(glm::vec3 from, glm::vec3 to) {
     const double squaredB = glm::dot(b, b);
     if (!isUsable(squaredA) || !isUsable(squaredB)) [[unlikely]]
         return std::nullopt;
-    const double lengths = std::sqrt(squaredA) * std::sqrt(squaredB);
+    const double lengths = productOfLengths(squaredA, squaredB);
     const glm::dvec3 across = crossInDouble(from, to);
     const double along = glm::dot(a, b);
     const double squaredAcross = glm::dot(across, across);

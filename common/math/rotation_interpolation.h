@@ -78,7 +78,7 @@ inline Ends ends(glm::quat a, glm::quat b, double squaredA, double squaredB) {
     const glm::dquat from(a);
     const glm::dquat to(b);
     const double along = (from.w * to.w + from.x * to.x) + (from.y * to.y + from.z * to.z);
-    const double lengths = std::sqrt(squaredA * squaredB);
+    const double lengths = productOfLengths(squaredA, squaredB);
     double sign = std::copysign(1.0, along);
     // The sum is off by less than 4 u |a||b|.
     if (std::abs(along) <= 0x1p-50 * lengths) [[unlikely]]
