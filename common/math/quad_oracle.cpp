@@ -10,6 +10,9 @@ namespace {
 /// ln 2 as the sum of three doubles, 159 bits.
 constexpr double logTwo[3] = {0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56, 0x1.7b57a079a1934p-111};
 
+/// 2π as the sum of three doubles, 159 bits.
+constexpr double twoPi[3] = {0x1.921fb54442d18p+2, 0x1.1a62633145c07p-52, -0x1.f1976b7ed8fbcp-108};
+
 /// 1/k at index k.
 const std::array<Quad, 32>& reciprocals() {
     static const std::array<Quad, 32> table = [] {
@@ -21,14 +24,9 @@ const std::array<Quad, 32>& reciprocals() {
     return table;
 }
 
-struct SineCosine {
-    Quad sine;
-    Quad cosine;
-};
-
-/// |x| ≤ π. The Taylor series at x/16, then the angle doubled four times, each doubling at the cost of two
+/// |x| ≤ 3.2. The Taylor series at x/16, then the angle doubled four times, each doubling at the cost of two
 /// bits.
-SineCosine sineCosine(Quad x) {
+QuadSineCosine sineCosineOfReduced(Quad x) {
     const Quad reduced = x / 16;
     const std::array<Quad, 32>& reciprocal = reciprocals();
     Quad sine = 0;
@@ -104,13 +102,21 @@ Quad logarithm(Quad x) {
 }
 
 Quad tangent(Quad x) {
-    const SineCosine at = sineCosine(x);
+    const QuadSineCosine at = sineCosineOfReduced(x);
     return at.sine / at.cosine;
+}
+
+QuadSineCosine sineCosine(Quad x) {
+    const double turns = std::nearbyint(static_cast<double>(x) / twoPi[0]);
+    // The first product is exact: 38 and 53 bits.
+    const Quad reduced = ((x - static_cast<Quad>(turns) * twoPi[0]) - static_cast<Quad>(turns) * twoPi[1]) -
+                         static_cast<Quad>(turns) * twoPi[2];
+    return sineCosineOfReduced(reduced);
 }
 
 Quad arcTangent(Quad y, Quad x) {
     const Quad start = std::atan2(static_cast<double>(y), static_cast<double>(x));
-    const SineCosine at = sineCosine(start);
+    const QuadSineCosine at = sineCosineOfReduced(start);
     // The angle left over, below 2^-50: its tangent differs by a third of its cube.
     const Quad rest = (y * at.cosine - x * at.sine) / (x * at.cosine + y * at.sine);
     return start + rest;

@@ -29,6 +29,12 @@ Quad exponential(Quad x);
 Quad logarithm(Quad x);
 /// tan x, 0 ≤ x ≤ π/2 − 2^-25; within 2^-80 at the end of that range.
 Quad tangent(Quad x);
+struct QuadSineCosine {
+    Quad sine;
+    Quad cosine;
+};
+/// Both within 2^-100, absolutely, for |x| ≤ 2^40.
+QuadSineCosine sineCosine(Quad x);
 /// The angle of (x, y) in (−π, π], not both zero, the larger in the range of normal doubles.
 Quad arcTangent(Quad y, Quad x);
 

@@ -8,6 +8,7 @@
 
 #include "math/transform_hard_cases.h"
 #include "math/rigid_motion_hard_cases.h"
+#include "math/rotation_hard_cases.h"
 
 namespace quincunx {
 namespace {
@@ -54,6 +55,13 @@ INSTANTIATE_TEST_SUITE_P(Transforms, HardCases, testing::ValuesIn(transforms.beg
                          nameOf);
 INSTANTIATE_TEST_SUITE_P(Frames, HardCases, testing::ValuesIn(frames.begin(), frames.end()), nameOf);
 INSTANTIATE_TEST_SUITE_P(RigidMotions, HardCases, testing::ValuesIn(rigidMotions.begin(), rigidMotions.end()),
+                         nameOf);
+
+const auto quaternions = quaternionHardCases();
+const auto orientations = orientationHardCases();
+INSTANTIATE_TEST_SUITE_P(Quaternions, HardCases, testing::ValuesIn(quaternions.begin(), quaternions.end()),
+                         nameOf);
+INSTANTIATE_TEST_SUITE_P(Orientations, HardCases, testing::ValuesIn(orientations.begin(), orientations.end()),
                          nameOf);
 
 }  // namespace
