@@ -32,11 +32,13 @@ struct Plane {
     float offset = 0;
 };
 
-/// Where a ray meets a surface.
+/// Where a ray meets a surface. t is a double since quotients of floats reach 2^±278, beyond float.
 struct RayHit {
-    float t = 0;                ///< in lengths of the ray's direction
-    glm::vec3 point{0};         ///< on the surface
+    double t = 0;               ///< in lengths of the ray's direction
+    glm::vec3 point{0};         ///< on the surface, rounded once
     glm::vec3 normal{0, 1, 0};  ///< unit length; which side is said by the routine
+};                              ///< on the surface
+glm::vec3 normal{0, 1, 0};      ///< unit length; which side is said by the routine
 };
 
 }  // namespace quincunx
