@@ -37,8 +37,6 @@ struct RayHit {
     double t = 0;               ///< in lengths of the ray's direction
     glm::vec3 point{0};         ///< on the surface, rounded once
     glm::vec3 normal{0, 1, 0};  ///< unit length; which side is said by the routine
-};                              ///< on the surface
-glm::vec3 normal{0, 1, 0};      ///< unit length; which side is said by the routine
 };
 
 }  // namespace quincunx

@@ -12,7 +12,7 @@ struct QuadraticRoots {
 };
 
 /// Solves a x² + b x + c = 0 for finite float coefficients. The count is exact, and each root has a relative
-/// error of at most 6 · 2^-53, so rounded to float it is within 0.5 ulp + 2^-26: products of two floats are
+/// error of at most 4 · 2^-53, so rounded to float it is within 0.5 ulp + 2^-26: products of two floats are
 /// exact in double, so the discriminant is rounded once and its sign is right; the root of larger magnitude
 /// is q/a with q = −(b + sgn(b) √D)/2, where nothing cancels, and the other one c/q (Press et al., "Numerical
 /// Recipes", section 5.6; Goldberg, "What every computer scientist should know about floating-point
