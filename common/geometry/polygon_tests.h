@@ -83,10 +83,11 @@ struct PolygonHit {
 /// at along the ray, where the ray is a point and all signs are those of `sideOfLine`; for a flat polygon
 /// that is the same as projecting hit and corners along a coordinate axis. So polygons that share edges leave
 /// no gap between them, flat or not. t and point lie on the plane of corner 0 with that edge whose triangle
-/// looks largest from the ray (for a flat polygon, its plane): t to 0.501 ulp, and not above the largest
-/// float; the point's components to 0.501 ulp plus 2^-29 of that triangle's size. `front` also comes from
-/// that triangle. None for fewer than three corners, for polygons that the ray sees edge-on (which lie in a
-/// plane with it), for the direction zero, and if something is not finite. Held by RayPolygon.*.
+/// looks largest from the ray (for a flat polygon, its plane), and `front` is of that triangle. t has a
+/// relative error of at most 2^-50; the point's components are within 0.501 ulp plus 2^-48 (|x| + |y|), x and
+/// y being the parts of point − corner 0 along that triangle's two sides. None for fewer than three corners,
+/// for polygons that the ray sees edge-on (which lie in a plane with it), for the direction zero, and if
+/// something is not finite. Held by RayPolygon.*.
 std::optional<PolygonHit> intersectPolygon(const Ray& ray, std::span<const glm::vec3> polygon);
 
 /// The card's way in float: the point on the plane of the first three corners, the coordinate in which the

@@ -33,7 +33,7 @@ inline int orientation(glm::vec2 a, glm::vec2 b, glm::vec2 c) {
     const double left = (static_cast<double>(a.x) - c.x) * (static_cast<double>(b.y) - c.y);
     const double right = (static_cast<double>(a.y) - c.y) * (static_cast<double>(b.x) - c.x);
     const double difference = left - right;
-    if (std::abs(difference) > 0x1.8000000000001p-52 * (std::abs(left) + std::abs(right))) [[likely]]
+    if (std::abs(difference) > 0x1.8000000000008p-52 * (std::abs(left) + std::abs(right))) [[likely]]
         return detail::signOf(difference);
     return detail::exactOrientation(a, b, c);
 }
