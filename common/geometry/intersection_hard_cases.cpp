@@ -480,7 +480,7 @@ HardCaseFigures runBallsTouching(std::uint64_t inputs, std::uint64_t seed) {
     static constexpr std::array<std::array<int, 4>, 4> quadruples{
         {{1, 2, 2, 3}, {2, 3, 6, 7}, {4, 13, 16, 21}, {6, 10, 15, 19}}};
     return runBalls(inputs, seed, [](StressInputs& draw, std::uint64_t i) {
-                const double scale = draw.magnitude(0, 12);
+        const double scale = draw.magnitude(0, 12);
         const float factor = static_cast<float>(static_cast<int>(scale));
         const auto& q = quadruples[draw.random().below(quadruples.size())];
         const glm::vec3 offset =
