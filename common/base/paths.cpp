@@ -39,4 +39,13 @@ fs::path asset(std::string_view relative) {
     return file;
 }
 
+fs::path typefaceFile() {
+    fs::path file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+    std::error_code error;
+    if (!fs::is_regular_file(file, error))
+        throw EnvironmentError("the typeface is not installed", file.string(),
+                               "install the package fonts-dejavu-core");
+    return file;
+}
+
 }  // namespace quincunx

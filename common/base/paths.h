@@ -13,6 +13,10 @@ std::filesystem::path assetRoot();
 /// `assetRoot() / relative`; throws EnvironmentError if it does not exist.
 std::filesystem::path asset(std::string_view relative);
 
+/// The typeface of panels and of labels in pictures (DejaVu Sans). Throws EnvironmentError if it is not
+/// installed.
+std::filesystem::path typefaceFile();
+
 /// The running program's own file.
 std::filesystem::path executablePath();
 

@@ -231,6 +231,8 @@ void VertexArray::attribute(const Buffer& buffer, const Attribute& attribute) {
     glVertexAttribPointer(attribute.location, attribute.components, attribute.type,
                           attribute.normalized ? GL_TRUE : GL_FALSE, attribute.strideBytes,
                           reinterpret_cast<const void*>(attribute.offsetBytes));
+    if (attribute.divisor != 0)
+        glVertexAttribDivisor(attribute.location, attribute.divisor);
 }
 
 void VertexArray::indices(const Buffer& buffer) {

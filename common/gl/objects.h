@@ -94,6 +94,7 @@ class VertexArray {
         bool normalized = false;
         GLsizei strideBytes = 0;
         std::size_t offsetBytes = 0;
+        GLuint divisor = 0;  ///< 0: one value a vertex; n: one for n instances
     };
     VertexArray() = default;
     explicit VertexArray(std::string_view label);

@@ -19,7 +19,7 @@
 
 namespace quincunx::gl {
 
-/// A shader did not compile or link: "shaders/labs/10_shading/phong.frag:12: what the compiler said".
+/// A shader did not compile or link: "shaders/passes/phong.frag:12: what the compiler said".
 class ShaderError : public Error {
   public:
     using Error::Error;

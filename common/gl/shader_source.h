@@ -17,7 +17,7 @@ ShaderSource loadShader(const std::filesystem::path& file,
                         const std::vector<std::pair<std::string, std::string>>& defines,
                         std::vector<FileStamp>& visited);
 
-/// "shaders/labs/10_shading/phong.frag" for a file under assetRoot()/shaders, else the whole path.
+/// "shaders/passes/phong.frag" for a file under assetRoot()/shaders, else the whole path.
 std::string displayName(const std::filesystem::path& file);
 
 /// The identifiers in `text`, sorted, each once.

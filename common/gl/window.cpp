@@ -19,6 +19,13 @@ void rememberFault(int /*code*/, const char* message) {
     lastFault = message == nullptr ? "" : message;
 }
 
+bool displayNamed() {
+    for (const char* name : {"WAYLAND_DISPLAY", "DISPLAY"})
+        if (const char* value = std::getenv(name); value != nullptr && *value != '\0')
+            return true;
+    return false;
+}
+
 EnvironmentError windowFault(std::string_view what) {
     std::string line(what);
     if (!lastFault.empty())
@@ -30,7 +37,7 @@ EnvironmentError windowFault(std::string_view what) {
 
 Window::Window(std::string_view title, int widthScreen, int heightScreen) {
     lastFault.clear();
-    if (!displayAvailable())
+    if (!displayNamed())
         throw windowFault("neither DISPLAY nor WAYLAND_DISPLAY is set");
     if (widthScreen < 1 || heightScreen < 1)
         throw InputError("a window needs a size of at least 1×1", "window", "make it larger");
@@ -110,10 +117,15 @@ void Window::pollEvents() {
 }
 
 bool displayAvailable() {
-    for (const char* name : {"WAYLAND_DISPLAY", "DISPLAY"})
-        if (const char* value = std::getenv(name); value != nullptr && *value != '\0')
-            return true;
-    return false;
+    if (!displayNamed())
+        return false;
+    if (windowCount > 0)
+        return true;
+    glfwSetErrorCallback(rememberFault);
+    const bool answers = glfwInit() == GLFW_TRUE;
+    if (answers)
+        glfwTerminate();
+    return answers;
 }
 
 }  // namespace quincunx::gl

@@ -35,7 +35,7 @@ class Window final : public Context {
     GLFWwindow* window_ = nullptr;
 };
 
-/// True when a display seems to be there (DISPLAY or WAYLAND_DISPLAY set), without opening it.
+/// True when DISPLAY or WAYLAND_DISPLAY names a display and it answers.
 bool displayAvailable();
 
 }  // namespace quincunx::gl

@@ -33,6 +33,11 @@ class Knob {
     virtual void reset() = 0;
     std::string defaultText() const { return defaultText_; }
 
+    /// Says that the knob changes nothing at present, and why: "imported models keep their own triangles".
+    /// It is then grey in the panel, and on the command line worth a warning.
+    void setIdle(std::string why) { idle_ = std::move(why); }
+    const std::string& idle() const { return idle_; }  ///< empty: the knob works
+
   protected:
     void rememberDefault() { defaultText_ = text(); }
 
@@ -41,6 +46,7 @@ class Knob {
     std::string unit_;
     std::string help_;
     std::string defaultText_;
+    std::string idle_;
 };
 
 /// The knobs of one lab in the order of their declaration. Knobs outlive nothing: they belong to the lab.

@@ -1,5 +1,6 @@
 #include "lab/picture_state.h"
 
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -67,6 +68,16 @@ bool isRigid(const glm::mat4& m) {
     return glm::determinant(rotation) > 0 && glm::row(m, 3) == glm::vec4(0, 0, 0, 1);
 }
 
+/// Sixteen hexadecimal digits; 0 for none.
+std::uint64_t parseFingerprint(const std::string& digits) {
+    std::uint64_t value = 0;
+    const char* const end = digits.data() + digits.size();
+    const auto [stop, error] = std::from_chars(digits.data(), end, value, 16);
+    if (!digits.empty() && (error != std::errc() || stop != end))
+        throw InputError("model_fingerprint is not a hexadecimal number");
+    return value;
+}
+
 Camera parseCamera(const Json& json) {
     Camera camera;
     const Json& columns = json.at("world_from_camera");
@@ -92,15 +103,17 @@ std::string toJson(const PictureState& state) {
     Json knobs = Json::object();
     for (const auto& [name, value] : state.knobs)
         knobs[name] = value;
-    const Json json{{"lab", state.lab},
-                    {"model", state.model},
-                    {"renderer", state.renderer},
-                    {"width", state.frame.width},
-                    {"height", state.frame.height},
-                    {"time_seconds", state.frame.timeSeconds},
-                    {"seed", state.frame.seed},
-                    {"camera", toJson(state.frame.camera)},
-                    {"knobs", knobs}};
+    Json json{{"lab", state.lab}, {"model", state.model}};
+    // In digits, since readers of JSON may keep no more than 53 bits of a number.
+    if (state.modelFingerprint != 0)
+        json["model_fingerprint"] = fmt::format("{:016x}", state.modelFingerprint);
+    json.update(Json{{"renderer", state.renderer},
+                     {"width", state.frame.width},
+                     {"height", state.frame.height},
+                     {"time_seconds", state.frame.timeSeconds},
+                     {"seed", state.frame.seed},
+                     {"camera", toJson(state.frame.camera)},
+                     {"knobs", knobs}});
     return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -110,6 +123,7 @@ PictureState parsePictureState(std::string_view text, std::string_view where) {
         PictureState state;
         state.lab = json.at("lab").get<std::string>();
         state.model = json.value("model", "");
+        state.modelFingerprint = parseFingerprint(json.value("model_fingerprint", ""));
         state.renderer = json.value("renderer", "");
         state.frame.width = parseInteger(json, "width", 1, maxPictureSide);
         state.frame.height = parseInteger(json, "height", 1, maxPictureSide);

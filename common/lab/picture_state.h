@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -11,9 +12,10 @@ namespace quincunx {
 /// All that a picture was made from: with it the same driver draws the same picture again, bit for bit. It is
 /// written into the metadata of every PNG and by `run --record`, and read by `run --replay`.
 struct PictureState {
-    std::string lab;       ///< folder name, "10_shading"
-    std::string model;     ///< file given with --model; empty: the lab's own scene
-    std::string renderer;  ///< what drew it; not needed to draw it again
+    std::string lab;                     ///< folder name, "10_shading"
+    std::string model;                   ///< file given with --model; empty: the lab's own scene
+    std::uint64_t modelFingerprint = 0;  ///< of that file's scene (scene/fingerprint.h); 0: not known
+    std::string renderer;                ///< what drew it; not needed to draw it again
     KnobValues knobs;
     Frame frame;
 };

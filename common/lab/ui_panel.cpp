@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <imgui.h>
+
+#include "base/paths.h"
 
 namespace quincunx {
 namespace {
@@ -129,8 +129,10 @@ bool drawKnob(Knob& knob, std::size_t index, float points) {
 
     ImGui::SetCursorPos({PanelLayout::knobLeft * points, top});
     ImGui::SetNextItemWidth(PanelLayout::knobWidth * points);
+    ImGui::BeginDisabled(!knob.idle().empty());
     changed = drawControl(knob);
-    const bool onControl = ImGui::IsItemHovered();
+    ImGui::EndDisabled();
+    const bool onControl = ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
     hovered = hovered || onControl;
     bool putBack = onControl && ImGui::IsMouseClicked(ImGuiMouseButton_Right);
 
@@ -147,6 +149,8 @@ bool drawKnob(Knob& knob, std::size_t index, float points) {
     }
     if (hovered && !ImGui::IsAnyItemActive()) {
         std::string help = knob.help();
+        if (!knob.idle().empty())
+            help += "\nWithout effect: " + knob.idle();
         if (dynamic_cast<BoolKnob*>(&knob) == nullptr && dynamic_cast<ChoiceKnob*>(&knob) == nullptr)
             help += fmt::format("\n{}; Ctrl-click to type", knob.allowed());
         help += fmt::format("\nRight-click for the default, {}", knob.defaultText());
@@ -230,15 +234,7 @@ void applyStyle(float pointsToScreen, float screenToPixels) {
     const float pixels = std::round(fontPoints * pointsToScreen * screenToPixels);
     static constexpr ImWchar glyphs[] = {0x20,   0xff,   0x370,  0x3ff,  0x2010, 0x2027,
                                          0x2190, 0x21ff, 0x2264, 0x2265, 0};
-    const std::filesystem::path file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-    std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) {
-        io.Fonts->AddFontFromFileTTF(file.c_str(), pixels, nullptr, glyphs);
-    } else {
-        ImFontConfig config;
-        config.SizePixels = pixels;
-        io.Fonts->AddFontDefault(&config);
-    }
+    io.Fonts->AddFontFromFileTTF(typefaceFile().c_str(), pixels, nullptr, glyphs);
     io.FontGlobalScale = 1 / screenToPixels;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <future>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,6 +25,7 @@
 #include "lab/studio.h"
 #include "lab/sweep.h"
 #include "lab/window.h"
+#include "scene/fingerprint.h"
 #include "scene/import.h"
 
 namespace quincunx {
@@ -61,14 +63,35 @@ Frame makeFrame(const Lab& lab, const DrawOptions& options, bool window) {
     return frame;
 }
 
-void loadModel(Lab& lab, const std::string& model) {
-    if (model.empty())
-        return;
-    ImportedScene imported = importScene(model);
-    for (const std::string& warning : imported.warnings)
-        say(fmt::format("warning: {}: {}", printable(model), printable(warning)));
-    lab.useScene(std::move(imported.scene));
-}
+/// A model that is read by a thread of its own, while this one makes a context and the lab's programs.
+class ComingModel {
+  public:
+    /// An empty name: none.
+    explicit ComingModel(std::string file) : file_(std::move(file)) {
+        if (!file_.empty())
+            scene_ = std::async(std::launch::async, [this] { return importScene(file_); });
+    }
+    bool awaited() const { return scene_.valid(); }
+    /// Waits for it, gives it to the lab and tells its fingerprint, 0 where there is none to come. Rethrows
+    /// what reading threw; InputError if another fingerprint is `expected`, unless that is 0.
+    std::uint64_t deliver(Lab& lab, std::uint64_t expected) {
+        if (!awaited())
+            return 0;
+        ImportedScene imported = scene_.get();
+        const std::uint64_t found = fingerprint(imported.scene);
+        if (expected != 0 && expected != found)
+            throw InputError("is not what it was when the picture was made", printable(file_),
+                             "name it with --model to draw it as it is now");
+        for (const std::string& warning : imported.warnings)
+            say(fmt::format("warning: {}: {}", printable(file_), printable(warning)));
+        lab.useScene(std::move(imported.scene));
+        return found;
+    }
+
+  private:
+    std::string file_;
+    std::future<ImportedScene> scene_;
+};
 
 /// Draws the frame very small, so that its programs are ready (drivers finish them at their first use) when
 /// the picture is drawn and timed.
@@ -174,7 +197,8 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
                              fmt::format("run {} instead", printable(state.lab, 40)));
         if (draw.model.empty())
             draw.model = state.model;
-        loadModel(lab, draw.model);
+        else
+            state.modelFingerprint = 0;
         try {
             lab.knobs().set(state.knobs);
         } catch (const InputError& e) {
@@ -188,15 +212,29 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
         }
         state.frame.seed = draw.seed.value_or(state.frame.seed);
     } else {
-        loadModel(lab, draw.model);
         state.frame = makeFrame(lab, draw, window);
     }
     state.lab = entry.folder();
     state.model = draw.model;
     state.knobs = lab.knobs().values();
 
+    ComingModel model(draw.model);
+    const auto withModel = [&] {
+        state.modelFingerprint = model.deliver(lab, state.modelFingerprint);
+        for (const auto& [name, value] : options.knobs)
+            if (const std::string& idle = lab.knobs().find(name).idle(); !idle.empty())
+                say(fmt::format("warning: --{}: without effect; {}", name, idle));
+        if (options.replay.empty())
+            state.frame.camera = makeFrame(lab, draw, window).camera;
+        return state;
+    };
     if (window) {
-        runWindow(lab, entry, state, {.pictureFolder = "out", .record = options.record});
+        runWindow(lab, entry, withModel,
+                  {.pictureFolder = "out",
+                   .record = options.record,
+                   .width = state.frame.width,
+                   .height = state.frame.height,
+                   .sceneIsComing = model.awaited()});
         return;
     }
 
@@ -205,6 +243,7 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
     if (floatingPoint)
         state.frame.pictureFormat = graph::Format::rgba32f;
     warmUp(studio, lab, state.frame);
+    withModel();
     const Image8 picture = floatingPoint ? Image8{} : studio.picture(lab, state.frame);
     const Image linear = floatingPoint ? studio.linearPicture(lab, state.frame) : Image{};
     throwIfInterrupted();

@@ -190,14 +190,18 @@ struct ShownPicture {
 /// A lab in a window, from its opening to its end.
 class LabWindow {
   public:
-    LabWindow(Lab& lab, const LabEntry& entry, PictureState state, const WindowOptions& options)
+    LabWindow(Lab& lab, const LabEntry& entry, const std::function<PictureState()>& begin,
+              const WindowOptions& options)
         : lab_(lab),
           options_(options),
-          state_(std::move(state)),
           window_(fmt::format("{} - quincunx", entry.folder()),
-                  state_.frame.width + static_cast<int>(PanelLayout::width), state_.frame.height),
-          camera_(state_.frame.camera, lab.sceneBounds()),
+                  options.width + static_cast<int>(PanelLayout::width), options.height),
+          camera_(lab.defaultCamera(), lab.sceneBounds()),
           liveError_([] { glfwPostEmptyEvent(); }) {
+        if (options.sceneIsComing)
+            warmUp();
+        state_ = begin();
+        camera_ = CameraControl(state_.frame.camera, lab.sceneBounds());
         state_.lab = entry.folder();
         state_.renderer = window_.renderer();
         state_.frame.pictureFormat = graph::Format::rgba8Srgb;
@@ -474,6 +478,15 @@ class LabWindow {
         return false;
     }
 
+    /// Draws the lab's own scene very small: drivers finish programs at their first use.
+    void warmUp() {
+        Frame frame;
+        frame.width = 16;
+        frame.height = 12;
+        frame.camera = lab_.defaultCamera();
+        run(frame);
+    }
+
     const gl::Texture2D& run(const Frame& frame) {
         graph::FrameGraph graph;
         const graph::Resource picture = lab_.build(graph, frame);
@@ -690,8 +703,9 @@ class LabWindow {
 
 }  // namespace
 
-void runWindow(Lab& lab, const LabEntry& entry, PictureState state, const WindowOptions& options) {
-    LabWindow(lab, entry, std::move(state), options).loop();
+void runWindow(Lab& lab, const LabEntry& entry, const std::function<PictureState()>& begin,
+               const WindowOptions& options) {
+    LabWindow(lab, entry, begin, options).loop();
 }
 
 }  // namespace quincunx

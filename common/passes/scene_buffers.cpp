@@ -78,14 +78,21 @@ GLenum wrapMode(Texture::Wrap wrap) {
 
 FrameBlock makeFrameBlock(const Scene& scene, const std::vector<Light>& lights, const Camera& camera,
                           float aspect) {
+    return makeFrameBlock(scene, lights,
+                          perspective(camera.fovYRadians, aspect, camera.nearDistance, camera.farDistance) *
+                              cameraFromWorld(camera.worldFromCamera),
+                          glm::vec3(camera.worldFromCamera[3]));
+}
+
+FrameBlock makeFrameBlock(const Scene& scene, const std::vector<Light>& lights,
+                          const glm::mat4& clipFromWorld, glm::vec3 eyeWorld) {
     if (lights.size() > maxShaderLights)
         throw InputError(
             fmt::format("{} lights, more than the {} that are drawn", lights.size(), maxShaderLights),
             scene.name, "take some lights away");
     FrameBlock block;
-    block.clipFromWorld = perspective(camera.fovYRadians, aspect, camera.nearDistance, camera.farDistance) *
-                          cameraFromWorld(camera.worldFromCamera);
-    block.eyeWorld = camera.worldFromCamera[3];
+    block.clipFromWorld = clipFromWorld;
+    block.eyeWorld = glm::vec4(eyeWorld, 1);
     block.ambientLight = glm::vec4(scene.ambientLight, 0);
     block.backgroundTop = glm::vec4(scene.backgroundTop, 1);
     block.backgroundBottom = glm::vec4(scene.backgroundBottom, 1);

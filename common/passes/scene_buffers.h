@@ -51,6 +51,8 @@ struct alignas(256) ObjectBlock {
 /// `maxShaderLights` are an InputError.
 FrameBlock makeFrameBlock(const Scene& scene, const std::vector<Light>& lights, const Camera& camera,
                           float aspect);
+FrameBlock makeFrameBlock(const Scene& scene, const std::vector<Light>& lights,
+                          const glm::mat4& clipFromWorld, glm::vec3 eyeWorld);
 
 /// A material and placement as shaders read it. `worldNormalFromModel` is the cofactor matrix, so that
 /// normals stay perpendicular under shear and point outside under mirrors.

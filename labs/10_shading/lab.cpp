@@ -7,17 +7,14 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "base/error.h"
 #include "image/filter.h"
 #include "math/transform.h"
-#include "passes/downsample.h"
+#include "passes/targets.h"
 #include "scene/import.h"
 
 namespace quincunx {
 
 namespace {
-
-constexpr int maxFineSide = 16384;  // texels that drivers of OpenGL 3.3 and newer hold along a side
 
 /// Where `compare` shows one of the three models, in pixels of the drawn picture, and how.
 struct Column {
@@ -57,6 +54,7 @@ void ShadingLab::useScene(Scene scene) {
     scene.backgroundBottom = stillLife_.backgroundBottom;
     scene_ = std::move(scene);
     builtIn_ = false;
+    tessellation.setIdle("imported models keep their own triangles");
     shared_.reset();
     facets_.reset();
 }
@@ -139,46 +137,31 @@ std::vector<ObjectBlock> ShadingLab::objectBlocks() const {
 
 graph::Resource ShadingLab::build(graph::FrameGraph& graph, const Frame& frame) {
     prepareScene();
-    const int factor = supersample;
-    if (factor > 1 && std::max(frame.width, frame.height) > maxFineSide / factor)
-        throw InputError(
-            fmt::format("{}x{} with {} samples along a side is too large", frame.width, frame.height, factor),
-            "--supersample",
-            fmt::format("give --supersample=1, or a size of at most {}", maxFineSide / factor));
-    const graph::Resource picture =
-        graph.addResource({"picture", frame.pictureFormat, frame.width, frame.height});
-    // Measured pictures keep all bits on the way; for people, half floats hold more than 8 bits can show.
-    const graph::Format fineFormat =
-        frame.pictureFormat == graph::Format::rgba32f ? graph::Format::rgba32f : graph::Format::rgba16f;
-    const graph::Resource shaded =
-        factor == 1 ? picture
-                    : graph.addResource({"shaded", fineFormat, frame.width * factor, frame.height * factor});
-    const graph::Resource depth =
-        graph.addResource({"depth", graph::Format::depth32f, frame.width * factor, frame.height * factor});
+    const PictureTargets targets =
+        addPictureTargets(graph, {frame.pictureFormat, frame.width, frame.height, supersample});
     graph.addPass({.name = "shade",
                    .reads = {},
-                   .writes = {shaded, depth},
-                   .execute = [this, frame, factor](graph::PassContext& context) {
-                       drawScene(context, frame, factor);
+                   .writes = {targets.color, targets.depth},
+                   .execute = [this, frame, targets](graph::PassContext& context) {
+                       drawScene(context, frame, targets.factor);
                    }});
-    if (factor > 1)
-        addDownsamplePass(graph, shaded, picture, {.factor = factor});
-    return picture;
+    addResolvePass(graph, targets);
+    return targets.picture;
 }
 
 void ShadingLab::drawScene(graph::PassContext& context, const Frame& frame, int factor) {
     const std::vector<ObjectBlock> objects = objectBlocks();
-    ShadingPassParams params;
-    params.blinnPhong = model().reflection == PhongModel::Reflection::blinnPhong;
+    ForwardParams params;
+    const bool blinnPhong = model().reflection == PhongModel::Reflection::blinnPhong;
     for (std::size_t i = 0; i < objects.size(); ++i) {
         params.doubleSided.push_back(scene_.materials[scene_.instances[i].material].doubleSided);
         params.mirrored.push_back(glm::determinant(glm::mat3(objects[i].worldFromModel)) < 0);
     }
     const auto draw = [&](ShadingModel one, const Camera& camera, float aspect) {
-        params.shading = one;
+        params.program = shadingProgram(one, blinnPhong);
         SceneBuffers& buffers = *buffersFor(one);
         buffers.update(makeFrameBlock(scene_, turnedLights(), camera, aspect), objects);
-        drawShaded(context, buffers, params);
+        drawForward(context, buffers, params);
         counters_["triangles"] += buffers.triangleCount();
         counters_["vertices"] += buffers.vertexCount();
     };

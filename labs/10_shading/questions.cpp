@@ -122,6 +122,7 @@ std::vector<Measurement> measureModels(Studio& studio) {
         figures.push_back({fmt::format("{}: RMSE with 24 segments", names[i]), coarse[i], "", {}});
         figures.push_back({fmt::format("{}: RMSE with 96 segments", names[i]), fine[i], "", {}});
     }
+    // Measured 1.30, 1.29, 1.39 and 1.64: the order is the claim, so the bounds lie between them and a tie.
     figures.push_back({"24 segments: flat over Gouraud", coarse[0] / coarse[1], "times", atLeast(1.05)});
     figures.push_back({"24 segments: Gouraud over Phong", coarse[1] / coarse[2], "times", atLeast(1.05)});
     figures.push_back({"96 segments: flat over Gouraud", fine[0] / fine[1], "times", atLeast(1.2)});
@@ -156,6 +157,7 @@ std::vector<Measurement> measureCost(Studio& studio) {
         if (look(segments) < 1 && turn == 0)
             turn = segments;
     const double fine = look(512);
+    // Counts, the same on every machine: 28 and 20 times. A factor of 2 is clear of the turn.
     figures.push_back({"16 segments: Phong lights more often than Gouraud by", coarse, "times", atLeast(2)});
     figures.push_back(
         {"512 segments: Gouraud lights more often than Phong by", 1 / fine, "times", atLeast(2)});
@@ -190,6 +192,7 @@ std::vector<Measurement> measureTerms(Studio& studio) {
     double worst = 0;
     for (std::size_t i = 0; i < sum.size(); ++i)
         worst = std::max(worst, std::abs(sum[i] - whole.data[i]));
+    // Five pictures in float, each rounded by 2^-24 of values up to 4.
     figures.push_back({"sum of the four against the whole, worst pixel", worst, "", atMost(2e-6)});
     return figures;
 }
@@ -200,50 +203,41 @@ std::vector<Question> ShadingLab::questions() {
     return {
         {32, "How is the half vector of a direction wi to the light and a direction wo to the eye found?",
          "Add the two unit vectors and make the sum unit length: wh = (wi + wo) / |wi + wo|. It bisects the "
-         "angle "
-         "between them, and it is the normal that a tiny mirror would need to send light from wi to wo. When "
-         "the two "
-         "are opposite the sum is zero and there is no half vector: the highlight is then zero, since such "
-         "light "
-         "grazes the surface.",
+         "angle between them, and it is the normal that a tiny mirror would need to send light from wi to "
+         "wo. When the two are opposite the sum is zero and there is no half vector: the highlight is then "
+         "zero, since such light grazes the surface.",
          "the formula divides by zero for opposite directions", [](Studio&) { return measureHalfVector(); }},
         {37, "What are flat, Gouraud and Phong shading?",
          "They differ in where the light is evaluated. Flat: once a triangle, with the normal of its plane. "
-         "Gouraud: "
-         "once a vertex, and the colours are interpolated, so a highlight between vertices is lost or "
-         "smeared. Phong: "
-         "at every fragment, with the interpolated normal made unit length again. Against the exact surface "
-         "each "
-         "is more accurate than the one before, at every fineness.",
+         "Gouraud: once a vertex, and the colours are interpolated, so a highlight between vertices is lost "
+         "or smeared. Phong: at every fragment, with the interpolated normal made unit length again. "
+         "Against the exact surface each is more accurate than the one before, at every fineness.",
          "", [](Studio& studio) { return measureModels(studio); }},
         {90, "Which costs a GPU less, Gouraud or Phong shading?",
          "Gouraud evaluates the light once a vertex, Phong once a fragment, so Gouraud is cheaper while "
-         "triangles "
-         "cover many pixels. When triangles become smaller than pixels there are more vertices than "
-         "fragments, and the "
-         "order turns over; the interpolation that Gouraud saves with is then worth nothing.",
+         "triangles cover many pixels. When triangles become smaller than pixels there are more vertices "
+         "than fragments, and the order turns over; the interpolation that Gouraud saves with is then worth "
+         "nothing.",
          "", [](Studio& studio) { return measureCost(studio); }},
         {105,
          "The light comes along l = (1,2,3), the surface has the normal n = (2,3,4): what is the reflected "
          "direction, and what is it at unit length?",
          "With l taken as pointing from the surface, r = 2 (n·l) n / (n·n) - l = 2 · 20/29 · (2,3,4) - "
-         "(1,2,3) = "
-         "(51,62,73)/29. Reflection keeps the length: |r| = |l| = √14, so the unit vector is (51,62,73) / "
-         "(29 √14).",
+         "(1,2,3) = (51,62,73)/29. Reflection keeps the length: |r| = |l| = √14, so the unit vector is "
+         "(51,62,73) / (29 √14).",
          "normalising divides r by its length; the card sets r to its length, a number",
          [](Studio&) { return measureExample(); }},
         {113, "Which terms does the classic illumination model of real-time graphics add up?",
          "Ambient (light from everywhere, a constant), diffuse (light spread evenly, with the cosine of its "
-         "angle to "
-         "the normal) and specular (the highlight around the mirror direction); often emission, light of the "
-         "surface's own. They are independent: rendered apart and added, they give the whole picture.",
+         "angle to the normal) and specular (the highlight around the mirror direction); often emission, "
+         "light of the surface's own. They are independent: rendered apart and added, they give the whole "
+         "picture.",
          "", [](Studio& studio) { return measureTerms(studio); }},
         {114, "The light travels along l towards a surface with normal n: which way does it leave?",
          "r = l - 2 (n·l) n for a unit normal: the part of l along n is turned round. For a vector that "
-         "points away "
-         "from the surface the signs change, r = 2 (n·l) n - l; both give the same direction for the same "
-         "light. "
-         "Dividing by n·n makes it right for normals of any length, and the length of l is kept.",
+         "points away from the surface the signs change, r = 2 (n·l) n - l; both give the same direction "
+         "for the same light. Dividing by n·n makes it right for normals of any length, and the length of l "
+         "is kept.",
          "the formula holds for unit normals only", [](Studio&) { return measureReflection(); }},
     };
 }

@@ -83,7 +83,7 @@ BareShading::BareShading(int width, int height)
     frame_ = makeFrameBlock(scene, scene.lights, camera_, aspect_);
 
     background_ = linked("passes/fullscreen.vert", "passes/background.frag");
-    phong_ = linked("labs/10_shading/phong.vert", "labs/10_shading/phong.frag", {{"BLINN_PHONG", ""}});
+    phong_ = linked("passes/phong.vert", "passes/phong.frag", {{"BLINN_PHONG", ""}});
     downsample_ = linked("passes/fullscreen.vert", "passes/downsample.frag");
     bindBlock(background_, "FrameBlock", frameBinding);
     bindBlock(phong_, "FrameBlock", frameBinding);

@@ -185,6 +185,39 @@ TEST_F(ProgramFiles, ARecordAndAPictureDrawTheSamePictureAgain) {
     }
 }
 
+TEST_F(ProgramFiles, AModelThatChangedSinceItsPictureIsNotTakenForTheSame) {
+    const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    folder_.file("model.obj", triangle);
+    ASSERT_TRUE(succeeded(call(drawingSmall({"run", "shading", "--model", "model.obj", "--out", "a.png"}))));
+    const std::vector<std::string> again = {"run",      "shading", "--backend", "osmesa",
+                                            "--replay", "a.png",   "--out",     "b.png"};
+    // A comment changes the file, not what is drawn.
+    folder_.file("model.obj", "# the same\n" + triangle);
+    ASSERT_TRUE(succeeded(call(again)));
+    EXPECT_EQ(call({"compare", "a.png", "b.png", "--metric", "rmse", "--max-error", "0"}).exitStatus, 0);
+    folder_.file("model.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
+    EXPECT_TRUE(failedWith(call(again), 2, "model.obj"));
+    std::vector<std::string> named = again;
+    named.insert(named.end(), {"--model", "model.obj"});
+    EXPECT_TRUE(succeeded(call(named)));
+}
+
+TEST_F(ProgramFiles, ADisplayThatDoesNotAnswerGivesAPictureInstead) {
+    const ProcessResult result =
+        call({"run", "shading", "--size", "32x24"}, {"DISPLAY=:54321", "WAYLAND_DISPLAY="});
+    EXPECT_TRUE(succeeded(result));
+    EXPECT_TRUE(fs::exists(folder_ / "out/10_shading.png"));
+}
+
+TEST_F(ProgramFiles, AKnobWithoutEffectIsToldSo) {
+    folder_.file("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const ProcessResult result = call(drawingSmall(
+        {"run", "shading", "--model", "model.obj", "--tessellation=9", "--shear=1", "--out", "a.png"}));
+    EXPECT_EQ(result.exitStatus, 0);
+    EXPECT_THAT(result.err, HasSubstr("warning: --tessellation"));
+    EXPECT_THAT(result.err, testing::Not(HasSubstr("--shear")));
+}
+
 TEST_F(ProgramFiles, RecordsThatAreHostileAreNamed) {
     for (const char* record : {"", "{", "[]", R"({"lab":5})", R"({"lab":"10_shading"})",
                                R"({"lab":"10_shading","width":1e99,"height":-1})"}) {

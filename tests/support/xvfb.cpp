@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -48,7 +49,10 @@ std::string readNumber(int descriptor) {
 
 }  // namespace
 
-Xvfb::Xvfb() : displayBefore_(variable("DISPLAY")), waylandBefore_(variable("WAYLAND_DISPLAY")) {
+Xvfb::Xvfb(std::filesystem::path framebufferFolder)
+    : framebufferFolder_(std::move(framebufferFolder)),
+      displayBefore_(variable("DISPLAY")),
+      waylandBefore_(variable("WAYLAND_DISPLAY")) {
     // Two servers that start at the same moment may want the same number, and one of them gives up.
     constexpr int attempts = 5;
     std::string number;
@@ -74,7 +78,8 @@ std::string Xvfb::start() {
         dup2(null, STDOUT_FILENO);
         dup2(null, STDERR_FILENO);
         execlp("Xvfb", "Xvfb", "-displayfd", descriptor.c_str(), "-screen", "0", "1280x1024x24", "-nolisten",
-               "tcp", static_cast<char*>(nullptr));
+               "tcp", framebufferFolder_.empty() ? nullptr : "-fbdir", framebufferFolder_.c_str(),
+               static_cast<char*>(nullptr));
         _exit(127);
     }
     close(ends[1]);

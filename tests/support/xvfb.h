@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include <sys/types.h>
@@ -11,8 +12,9 @@ namespace quincunx::test {
 /// too.
 class Xvfb {
   public:
-    /// Throws EnvironmentError if Xvfb is not installed or does not answer within 20 seconds.
-    Xvfb();
+    /// Throws EnvironmentError if Xvfb is not installed or does not answer within 20 seconds. The screen's
+    /// pixels are in the file Xvfb_screen0 of `framebufferFolder`, which exists, in X's window dump format.
+    explicit Xvfb(std::filesystem::path framebufferFolder = {});
     ~Xvfb();
     Xvfb(const Xvfb&) = delete;
     Xvfb& operator=(const Xvfb&) = delete;
@@ -24,6 +26,7 @@ class Xvfb {
     std::string start();
     void stop();
 
+    std::filesystem::path framebufferFolder_;
     pid_t process_ = -1;
     std::string display_;
     std::string displayBefore_;

@@ -13,6 +13,7 @@ PictureState oddState() {
     PictureState state;
     state.lab = "10_shading";
     state.model = "a \"quoted\"\n name \xc3\xa9.obj";
+    state.modelFingerprint = 0xfedcba9876543210u;
     state.renderer = "some driver";
     state.knobs = {{"bias", "0.1"}, {"filter", "linear"}};
     state.frame.width = 31;
@@ -30,6 +31,7 @@ TEST(PictureState, SurvivesTheWayThroughJsonBitForBit) {
     const PictureState again = parsePictureState(toJson(state), "test");
     EXPECT_EQ(again.lab, state.lab);
     EXPECT_EQ(again.model, state.model);
+    EXPECT_EQ(again.modelFingerprint, state.modelFingerprint);
     EXPECT_EQ(again.knobs, state.knobs);
     EXPECT_EQ(again.frame.width, state.frame.width);
     EXPECT_EQ(again.frame.height, state.frame.height);
@@ -56,6 +58,7 @@ TEST(PictureState, RefusesWhatMakesNoSenseInOneLineThatNamesTheFile) {
     };
     for (const std::string& text :
          {with("\"width\": 31", "\"width\": 0"), with("\"width\": 31", "\"width\": 99999999"),
+          with("fedcba9876543210", "fedcba987654321x"), with("fedcba9876543210", "fedcba98765432100"),
           with("\"width\": 31", "\"width\": \"31\""), with("\"seed\"", "\"sead\": -1, \"seed\""),
           with("\"fov_y_radians\": ", "\"fov_y_radians\": 4"), with("\"near\"", "\"far\": 1e-9, \"near\""),
           std::string("[]"), std::string(5000, '[')})

@@ -113,29 +113,29 @@ void Screen::setDensity(int dotsPerInch) const {
     XSync(display_, False);
 }
 
-DrivenWindow::DrivenWindow(std::vector<std::string> words, std::vector<std::string> environment,
-                           int dotsPerInch)
-    : screen_(std::make_unique<Screen>()) {
-    screen_->setDensity(dotsPerInch);
+DrivenWindow::DrivenWindow() : DrivenWindow(Options{}) {}
+
+DrivenWindow::DrivenWindow(const Options& options) : options_(options), screen_(std::make_unique<Screen>()) {
+    screen_->setDensity(options.dotsPerInch);
     // The pointer rests where it points at nothing.
     act({"mousemove", "1279", "1023"});
     std::vector<std::string> command = {QUINCUNX_PROGRAM,
                                         "run",
-                                        "shading",
+                                        options.lab,
                                         "--backend",
                                         "window",
                                         "--size",
-                                        std::to_string(width) + "x" + std::to_string(height),
+                                        std::to_string(width) + "x" + std::to_string(options.height),
                                         "--record",
                                         "record.json"};
-    command.insert(command.end(), words.begin(), words.end());
-    ProcessOptions options;
-    options.folder = folder_.path();
-    options.environment = std::move(environment);
-    process_ = std::make_unique<Process>(command, options);
+    command.insert(command.end(), options.words.begin(), options.words.end());
+    ProcessOptions process;
+    process.folder = folder_.path();
+    process.environment = options.environment;
+    process_ = std::make_unique<Process>(command, process);
     // The picture has more than one colour as soon as it is there.
     const bool open = waitUntil([this] {
-        const std::optional<Area> found = screen_->find("10_shading");
+        const std::optional<Area> found = screen_->find(options_.lab);
         if (!found || found->width <= width)
             return false;
         area_ = *found;
@@ -178,7 +178,8 @@ void DrivenWindow::click(int x, int y, int button) const {
 
 std::filesystem::path DrivenWindow::screenshot(int number, const std::string& key) const {
     press(key);
-    const std::filesystem::path file = folder_ / ("out/10_shading_00" + std::to_string(number) + ".png");
+    const std::filesystem::path file =
+        folder_ / ("out/" + options_.lab + "_00" + std::to_string(number) + ".png");
     if (!waitUntil([&] { return exists(file); }))
         throw std::runtime_error("no screenshot " + file.string());
     return file;
@@ -210,7 +211,7 @@ Image8 DrivenWindow::replay(const std::filesystem::path& file) const {
     ProcessOptions options;
     options.folder = folder_.path();
     const std::filesystem::path out = folder_ / "replayed.png";
-    const ProcessResult result = runProcess({QUINCUNX_PROGRAM, "run", "shading", "--backend", "egl",
+    const ProcessResult result = runProcess({QUINCUNX_PROGRAM, "run", options_.lab, "--backend", "egl",
                                              "--replay", file.string(), "--out", out.string()},
                                             options);
     if (result.exitStatus != 0)

@@ -53,13 +53,20 @@ class DrivenWindow {
     static constexpr int width = 320;   ///< of the picture at the start
     static constexpr int height = 480;  ///< the same: all knobs are in sight
 
-    explicit DrivenWindow(std::vector<std::string> words = {}, std::vector<std::string> environment = {},
-                          int dotsPerInch = 96);
+    struct Options {
+        std::string lab = "10_shading";  ///< folder name
+        int height = DrivenWindow::height;
+        std::vector<std::string> words = {};
+        std::vector<std::string> environment = {};
+        int dotsPerInch = 96;
+    };
+    DrivenWindow();
+    explicit DrivenWindow(const Options& options);
 
     Screen& screen() { return *screen_; }
     const TemporaryFolder& folder() const { return folder_; }
     Area area() const { return area_; }
-    Area pictureArea() const { return {0, 0, width, height}; }
+    Area pictureArea() const { return {0, 0, width, options_.height}; }
     Image8 picture() const { return screen_->look(pictureArea()); }
 
     /// Sends real events (words of xdotool) and waits until the window has answered.
@@ -89,6 +96,7 @@ class DrivenWindow {
     Image8 replay(const std::filesystem::path& file) const;
 
   private:
+    Options options_;
     TemporaryFolder folder_;
     Xvfb xvfb_;
     std::unique_ptr<Screen> screen_;

@@ -50,7 +50,7 @@ class ShaderCopy {
                               std::filesystem::copy_options::recursive);
     }
     std::string environment() const { return "QUINCUNX_ROOT=" + folder_.path().string(); }
-    std::filesystem::path phong() const { return folder_ / "shaders/labs/10_shading/phong.frag"; }
+    std::filesystem::path phong() const { return folder_ / "shaders/passes/phong.frag"; }
     std::string read() const { return readFile(phong(), 1 << 20); }
     void write(const std::string& text) const { writeFile(phong(), text); }
 
@@ -76,12 +76,17 @@ TEST(Window, ShowsThePictureThatIsDrawnOffscreenByteForByte) {
     EXPECT_LE(largestDifference(seen, window.replay(window.folder() / "record.json")), sameDriver);
 }
 
-TEST(Window, EveryKnobFollowsItsControlAndRightClickPutsItBack) {
-    DrivenWindow window;
-    const Image8 start = window.picture();
-    const std::unique_ptr<Lab> lab = findLab(allLabs(), "shading").make();
+class EveryLab : public testing::TestWithParam<LabEntry> {};
+
+TEST_P(EveryLab, HasAWindowWhoseKnobsFollowTheirControlsAndRightClickPutsThemBack) {
+    const std::unique_ptr<Lab> lab = GetParam().make();
     const std::vector<Knob*>& knobs = lab->knobs().all();
-    ASSERT_GE(knobs.size(), 13u);
+    ASSERT_FALSE(knobs.empty());
+    const float below = PanelLayout::knobTop + PanelLayout::knobStep * static_cast<float>(knobs.size());
+    DrivenWindow window({.lab = GetParam().folder(),
+                         .height = std::clamp(static_cast<int>(below), DrivenWindow::height, 1000)});
+    const Image8 start = window.picture();
+    EXPECT_EQ(faultPixels(window), 0);
     const auto operate = [&](std::size_t i) {
         const Area area = control(i);
         const int middle = area.y + area.height / 2;
@@ -99,8 +104,10 @@ TEST(Window, EveryKnobFollowsItsControlAndRightClickPutsItBack) {
     };
     for (std::size_t i = 0; i < knobs.size(); ++i)
         operate(i);
+    EXPECT_EQ(faultPixels(window), 0);
     const std::filesystem::path shot = window.screenshot(1);
     const Image8 seen = window.picture();
+    EXPECT_NE(seen, start);
     const PictureState turned = readPictureState(shot);
     ASSERT_EQ(turned.knobs.size(), knobs.size());
     for (std::size_t i = 0; i < knobs.size(); ++i)
@@ -115,6 +122,57 @@ TEST(Window, EveryKnobFollowsItsControlAndRightClickPutsItBack) {
     EXPECT_EQ(window.close().exitStatus, 0);
     for (const auto& [name, value] : window.record().knobs)
         EXPECT_EQ(value, lab->knobs().find(name).defaultText()) << name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Window, EveryLab, testing::ValuesIn(allLabs().begin(), allLabs().end()),
+                         [](const testing::TestParamInfo<LabEntry>& entry) {
+                             return "Lab" + entry.param.folder();
+                         });
+
+TEST(Window, TheButtonBesideAKnobPutsItBack) {
+    DrivenWindow window({.words = {"--shading=flat", "--tessellation=9"}});
+    const std::unique_ptr<Lab> lab = findLab(allLabs(), "shading").make();
+    for (std::size_t i = 0; i < lab->knobs().all().size(); ++i) {
+        const std::string name = lab->knobs().all()[i]->name();
+        if (name == "shading" || name == "tessellation")
+            window.click(
+                DrivenWindow::width + static_cast<int>(PanelLayout::resetLeft + PanelLayout::resetWidth / 2),
+                control(i).y + control(i).height / 2);
+    }
+    EXPECT_EQ(window.close().exitStatus, 0);
+    for (const auto& [name, value] : window.record().knobs)
+        EXPECT_EQ(value, lab->knobs().find(name).defaultText()) << name;
+}
+
+TEST(Window, TheMapShowsWhereThePictureIsWrong) {
+    DrivenWindow window({.words = {"--shading=flat", "--tessellation=9"}});
+    const Image8 start = window.picture();
+    window.press("m");
+    // The reference takes its time; the map comes up by itself.
+    ASSERT_TRUE(window.waitUntil([&] { return window.picture() != start; }));
+    // The map's red lies in the lower left, a third as wide as the picture.
+    const Image8 inset =
+        window.screen().look({14, DrivenWindow::height * 2 / 3, DrivenWindow::width / 3, 100});
+    int red = 0;
+    for (std::size_t i = 0; i < inset.pixelCount(); ++i)
+        red += inset.data[3 * i] > 100 && inset.data[3 * i + 2] < 60;
+    EXPECT_GT(red, 50);
+    window.press("m");
+    EXPECT_EQ(window.picture(), start);
+    EXPECT_EQ(window.close().exitStatus, 0);
+}
+
+TEST(Window, AnImportedModelHasNoReferenceAndIsShownAsItIsDrawnOffscreen) {
+    const TemporaryFolder folder;
+    folder.file("model.obj", "v -1 0 0\nv 1 0 0\nv 0 1.5 0.2\nf 1 2 3\n");
+    DrivenWindow window({.words = {"--model", (folder / "model.obj").string()}});
+    const Image8 seen = window.picture();
+    window.press("m");
+    EXPECT_EQ(window.picture(), seen);
+    EXPECT_EQ(faultPixels(window), 0);
+    EXPECT_EQ(window.close().exitStatus, 0);
+    EXPECT_NE(window.record().modelFingerprint, 0u);
+    EXPECT_LE(largestDifference(seen, window.replay(window.folder() / "record.json")), sameDriver);
 }
 
 TEST(Window, OrbitsByDragAndWheelAndComesBackBitForBit) {
@@ -184,7 +242,7 @@ TEST(Window, WithoutItsPanelThePictureFillsIt) {
 
 TEST(Window, ABrokenShaderKeepsThePictureShowsWhyAndRecovers) {
     const ShaderCopy shaders;
-    DrivenWindow window({}, {shaders.environment()});
+    DrivenWindow window({.environment = {shaders.environment()}});
     const Image8 start = window.picture();
     EXPECT_EQ(faultPixels(window), 0);
 
@@ -247,7 +305,7 @@ TEST(Window, WithoutADisplayIsOneLineAndStatusThree) {
 }
 
 TEST(Window, OnADenseDisplayThePanelIsTwiceAsLargeAndThePictureAsAsked) {
-    DrivenWindow window({}, {}, 192);
+    DrivenWindow window({.dotsPerInch = 192});
     const int panel = 2 * static_cast<int>(PanelLayout::width);
     EXPECT_EQ(window.screen().find("10_shading")->width, DrivenWindow::width + panel);
     const Image8 seen = window.picture();

@@ -1,0 +1,94 @@
+#include "scene/fingerprint.h"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+namespace quincunx {
+namespace {
+
+/// Multiply and shift, eight bytes at a time: the finalizer of splitmix64 (Steele, Lea, Flood, "Fast
+/// splittable pseudorandom number generators", OOPSLA 2014), chained.
+class Mixer {
+  public:
+    void word(std::uint64_t bits) {
+        state_ ^= bits + 0x9e3779b97f4a7c15u;
+        state_ = (state_ ^ (state_ >> 30)) * 0xbf58476d1ce4e5b9u;
+        state_ = (state_ ^ (state_ >> 27)) * 0x94d049bb133111ebu;
+        state_ ^= state_ >> 31;
+    }
+
+    void bytes(const void* data, std::size_t size) {
+        word(size);
+        const auto* const at = static_cast<const unsigned char*>(data);
+        for (std::size_t i = 0; i < size; i += 8) {
+            std::uint64_t bits = 0;
+            std::memcpy(&bits, at + i, std::min<std::size_t>(8, size - i));
+            word(bits);
+        }
+    }
+
+    template <typename T>
+    void value(const T& x) {
+        static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
+        bytes(&x, sizeof x);
+    }
+    void value(const glm::vec3& v) { bytes(&v, sizeof v); }
+    void value(const glm::vec4& v) { bytes(&v, sizeof v); }
+    void value(const glm::mat4& m) { bytes(&m, sizeof m); }
+
+    template <typename T>
+    void array(const std::vector<T>& values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        bytes(values.data(), values.size() * sizeof(T));
+    }
+
+    template <typename... T>
+    void values(const T&... x) {
+        (value(x), ...);
+    }
+
+    std::uint64_t state() const { return state_; }
+
+  private:
+    std::uint64_t state_ = 0;
+};
+
+}  // namespace
+
+std::uint64_t fingerprint(const Scene& scene) {
+    Mixer mix;
+    mix.value(scene.meshes.size());
+    for (const Mesh& mesh : scene.meshes) {
+        mix.array(mesh.positions);
+        mix.array(mesh.normals);
+        mix.array(mesh.texcoords);
+        mix.array(mesh.indices);
+    }
+    mix.value(scene.materials.size());
+    for (const Material& m : scene.materials) {
+        mix.values(m.baseColor, m.baseColorTexture.has_value(), m.baseColorTexture.value_or(0), m.metallic,
+                   m.roughness, m.emission, m.alphaMode, m.alphaCutoff, m.doubleSided);
+        mix.values(m.ambient, m.diffuse, m.specular, m.shininess);
+    }
+    mix.value(scene.textures.size());
+    for (const Texture& t : scene.textures) {
+        mix.values(t.image.width, t.image.height, t.image.channels, t.image.encoding, t.wrapS, t.wrapT);
+        mix.array(t.image.data);
+    }
+    mix.value(scene.instances.size());
+    for (const Instance& i : scene.instances)
+        mix.values(i.mesh, i.material, i.worldFromModel);
+    mix.value(scene.lights.size());
+    for (const Light& l : scene.lights)
+        mix.values(l.kind, l.position, l.direction, l.color, l.intensity, l.range, l.innerConeRadians,
+                   l.outerConeRadians);
+    mix.value(scene.cameras.size());
+    for (const Camera& c : scene.cameras)
+        mix.values(c.worldFromCamera, c.fovYRadians, c.nearDistance, c.farDistance);
+    mix.values(scene.ambientLight, scene.backgroundTop, scene.backgroundBottom);
+    return mix.state();
+}
+
+}  // namespace quincunx
