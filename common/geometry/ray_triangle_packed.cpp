@@ -6,54 +6,23 @@
 #include "base/check.h"
 #include "base/vector_units.h"
 #include "geometry/ray_triangle.h"
+#include "geometry/ray_triangle_filter.h"
 
 namespace quincunx {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-struct Components {
-    float x;
-    float y;
-    float z;
-};
-
-QUINCUNX_ALWAYS_INLINE Components minus(Components a, Components b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-QUINCUNX_ALWAYS_INLINE Components crossed(Components a, Components b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-QUINCUNX_ALWAYS_INLINE float dotted(Components a, Components b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-QUINCUNX_ALWAYS_INLINE float larger(float a, float b) {
-    return a > b ? a : b;
-}
-QUINCUNX_ALWAYS_INLINE float smaller(float a, float b) {
-    return a < b ? a : b;
-}
-/// |x| + |y| + |z|
-QUINCUNX_ALWAYS_INLINE float sumOfSizes(Components a) {
-    return std::abs(a.x) + std::abs(a.y) + std::abs(a.z);
-}
-QUINCUNX_ALWAYS_INLINE float largestSize(Components a) {
-    return larger(larger(std::abs(a.x), std::abs(a.y)), std::abs(a.z));
-}
-
-/// Möller and Trumbore's numbers: the weights of b and c and t, all times `det`.
-struct Products {
-    float det;
-    float u;
-    float v;
-    float t;
-};
-
-QUINCUNX_ALWAYS_INLINE Products productsOf(Components s, Components d, Components e1, Components e2) {
-    const Components p = crossed(d, e2);
-    const Components q = crossed(s, e1);
-    return {dotted(e1, p), dotted(s, p), dotted(d, q), dotted(e2, q)};
-}
+using detail::crossed;
+using detail::dotted;
+using detail::larger;
+using detail::largestSize;
+using detail::minus;
+using detail::productsOf;
+using detail::smaller;
+using detail::sumOfSizes;
+using Components = detail::Components<float>;
+using Products = detail::Products<float>;
 
 QUINCUNX_ALWAYS_INLINE float naiveLane(Components s, Components d, Components e1, Components e2) {
     const Products f = productsOf(s, d, e1, e2);
@@ -78,24 +47,14 @@ QUINCUNX_ALWAYS_INLINE Sizes sizesOf(float e) {
 
 constexpr float doubtful = std::numeric_limits<float>::quiet_NaN();
 
-/// t, or infinity where the ray misses, or `doubtful` where float does not settle it.
-///
-/// With ε = 2^-24, S = Σ|s|, D = Σ|d|: components of s, e1, e2 have a relative error ε. u = s · (d × e2) sums
-/// six products of three, each with eight such errors at most (two of components, two of products, one of the
-/// difference, two of the sum, one spare), and Σ|s_i|(|d_j e_k| + |d_k e_j|) ≤ S D e: 8 S D e ε. The same for
-/// v; 24 D e² ε for det, since Σ|e1| ≤ 3e; and for w = det − u − v these three and a few roundings of |u| +
-/// |v|
-/// + |det| ≤ D e (2 S + 3 e): in all below (24 S + 48 e) D e ε. With 4 e for 2 e, B = 32 ε D e (S + 4 e)
-/// bounds the error of each weight times det, roundings of B included.
-/// Divided by det: the three add up to 1. If the least is below −2 B/|det|, the others add up to more than
-/// 2 B/|det|, so one has surely the other sign: a miss. If it is above, all are surely of one sign. A det
-/// whose sign is open makes B/|det| at least 1/2 and a hit impossible, as the least cannot exceed ⅓.
-/// t · det is off by 8 · 2 S e² ε, as each Σ|s_i|(|e1_j e2_k| + |e1_k e2_j|) ≤ 2 S e², and t det by 16 |t| D
-/// e² ε, where |t| D ≤ S + 3 e for a hit (the sizes of its components): 32 ε e² (S + 4 e)/|det| in all bounds
-/// the error of t, and must be below 2^-14 |t|.
-/// All this as long as nothing overflows or underflows, which the limits of range see to: sizes below 2^40
-/// keep products of three below 2^123; what underflows is at most 2^-149 · 2^40 times a few, far below 2^-79,
-/// the least B there is for D e (S + 4 e) above 2^-60.
+/// t, or infinity where the ray misses, or `doubtful` where float does not settle it, by the bounds of
+/// ray_triangle_filter.h divided by det, so that the three weights add up to 1. If the least is below
+/// −2 B/|det|, the others add up to more than 2 B/|det|, so one has surely the other sign: a miss. If it is
+/// above, all are surely of one sign. A det whose sign is open makes B/|det| at least 1/2 and a hit
+/// impossible, as the least cannot exceed ⅓. The error of t must be below 2^-14 |t|.
+/// The limits of range see to it that nothing overflows or underflows: sizes below 2^40 keep products of
+/// three below 2^123; what underflows is at most 2^-149 · 2^40 times a few, far below 2^-79, the least B
+/// there is for D e far above 2^-60.
 QUINCUNX_ALWAYS_INLINE float certainLane(Components s, Components d, Components e1, Components e2,
                                          Sizes sizes) {
     const Products f = productsOf(s, d, e1, e2);
