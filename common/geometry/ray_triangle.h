@@ -139,10 +139,11 @@ struct TriangleArrays {
 /// Many rays against a triangle, and a ray against many triangles, two-sided, t ≥ 0. `t` has an entry for
 /// each pair: infinity where there is no hit. The packed forms decide exactly as `intersectTriangle` does:
 /// float arithmetic with a bound of its error settles nearly all pairs, a vector of them at a time, and
-/// `intersectTriangle` the rest. t is within 2^-18 of its value, relative. Held by PackedRayTriangle.*.
+/// `intersectTriangle` the rest. t is within 2^-14 of its value, relative; the number of pairs left to
+/// `intersectTriangle` is returned. Held by PackedRayTriangle.*.
 /// @{
-void intersectPacked(const RayArrays& rays, const Triangle& triangle, std::span<float> t);
-void intersectPacked(const Ray& ray, const TriangleArrays& triangles, std::span<float> t);
+std::size_t intersectPacked(const RayArrays& rays, const Triangle& triangle, std::span<float> t);
+std::size_t intersectPacked(const Ray& ray, const TriangleArrays& triangles, std::span<float> t);
 void intersectMollerTrumborePackedNaive(const RayArrays& rays, const Triangle& triangle, std::span<float> t);
 void intersectMollerTrumborePackedNaive(const Ray& ray, const TriangleArrays& triangles, std::span<float> t);
 /// @}

@@ -4,16 +4,8 @@
 #include <cstdint>
 
 #include "base/check.h"
+#include "base/vector_units.h"
 #include "geometry/ray_triangle.h"
-
-// Loops over arrays are compiled for each width of vectors that the machine may have; no product is fused
-// with a sum (-ffp-contract=off), so all of them give the same numbers.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define QX_FOR_EACH_VECTOR_UNIT __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define QX_FOR_EACH_VECTOR_UNIT
-#endif
-#define QX_INLINE inline __attribute__((always_inline))
 
 namespace quincunx {
 namespace {
@@ -26,26 +18,26 @@ struct Components {
     float z;
 };
 
-QX_INLINE Components minus(Components a, Components b) {
+QUINCUNX_ALWAYS_INLINE Components minus(Components a, Components b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-QX_INLINE Components crossed(Components a, Components b) {
+QUINCUNX_ALWAYS_INLINE Components crossed(Components a, Components b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-QX_INLINE float dotted(Components a, Components b) {
+QUINCUNX_ALWAYS_INLINE float dotted(Components a, Components b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-QX_INLINE float larger(float a, float b) {
+QUINCUNX_ALWAYS_INLINE float larger(float a, float b) {
     return a > b ? a : b;
 }
-QX_INLINE float smaller(float a, float b) {
+QUINCUNX_ALWAYS_INLINE float smaller(float a, float b) {
     return a < b ? a : b;
 }
 /// |x| + |y| + |z|
-QX_INLINE float sumOfSizes(Components a) {
+QUINCUNX_ALWAYS_INLINE float sumOfSizes(Components a) {
     return std::abs(a.x) + std::abs(a.y) + std::abs(a.z);
 }
-QX_INLINE float largestSize(Components a) {
+QUINCUNX_ALWAYS_INLINE float largestSize(Components a) {
     return larger(larger(std::abs(a.x), std::abs(a.y)), std::abs(a.z));
 }
 
@@ -57,13 +49,13 @@ struct Products {
     float t;
 };
 
-QX_INLINE Products productsOf(Components s, Components d, Components e1, Components e2) {
+QUINCUNX_ALWAYS_INLINE Products productsOf(Components s, Components d, Components e1, Components e2) {
     const Components p = crossed(d, e2);
     const Components q = crossed(s, e1);
     return {dotted(e1, p), dotted(s, p), dotted(d, q), dotted(e2, q)};
 }
 
-QX_INLINE float naiveLane(Components s, Components d, Components e1, Components e2) {
+QUINCUNX_ALWAYS_INLINE float naiveLane(Components s, Components d, Components e1, Components e2) {
     const Products f = productsOf(s, d, e1, e2);
     const float inverse = 1 / f.det;
     const float u = f.u * inverse;
@@ -83,8 +75,8 @@ QX_INLINE float naiveLane(Components s, Components d, Components e1, Components 
 /// as each Σ|s_i|(|e1_j e2_k| + |e1_k e2_j|) ≤ 2 S e²; det also by 8 · 2 D e² ε. All this as long as nothing
 /// overflows or underflows, which the two limits of range see to: sizes below 2^40 keep products of three
 /// below 2^123, and what underflows is at most 2^-149 · 2^40 times a few, far below a bound of 2^-90.
-QX_INLINE float certainLane(Components s, Components d, Components e1, Components e2, float e,
-                            std::int32_t& doubt) {
+QUINCUNX_ALWAYS_INLINE float certainLane(Components s, Components d, Components e1, Components e2, float e,
+                                         std::int32_t& doubt) {
     const Products f = productsOf(s, d, e1, e2);
     const float w = f.det - f.u - f.v;
     const float sizeS = sumOfSizes(s);
@@ -145,7 +137,7 @@ Components componentsOf(glm::vec3 v) {
 #define QX_LOAD(pointers, i) \
     { (pointers)[0][i], (pointers)[1][i], (pointers)[2][i] }
 
-QX_FOR_EACH_VECTOR_UNIT
+QUINCUNX_FOR_EACH_VECTOR_UNIT
 void naiveRays(RayPointers rays, Components a, Components e1, Components e2, std::size_t begin,
                std::size_t end, float* __restrict t) {
     const float* const ox = rays.origin[0];
@@ -158,7 +150,7 @@ void naiveRays(RayPointers rays, Components a, Components e1, Components e2, std
         t[i] = naiveLane(minus({ox[i], oy[i], oz[i]}, a), {dx[i], dy[i], dz[i]}, e1, e2);
 }
 
-QX_FOR_EACH_VECTOR_UNIT
+QUINCUNX_FOR_EACH_VECTOR_UNIT
 void certainRays(RayPointers rays, Components a, Components e1, Components e2, float e, std::size_t begin,
                  std::size_t count, float* __restrict t, std::int32_t* __restrict doubts) {
     const float* const ox = rays.origin[0] + begin;
@@ -171,7 +163,7 @@ void certainRays(RayPointers rays, Components a, Components e1, Components e2, f
         t[i] = certainLane(minus({ox[i], oy[i], oz[i]}, a), {dx[i], dy[i], dz[i]}, e1, e2, e, doubts[i]);
 }
 
-QX_FOR_EACH_VECTOR_UNIT
+QUINCUNX_FOR_EACH_VECTOR_UNIT
 void naiveTriangles(Components o, Components d, TrianglePointers triangles, std::size_t begin,
                     std::size_t end, float* __restrict t) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -182,7 +174,7 @@ void naiveTriangles(Components o, Components d, TrianglePointers triangles, std:
     }
 }
 
-QX_FOR_EACH_VECTOR_UNIT
+QUINCUNX_FOR_EACH_VECTOR_UNIT
 void certainTriangles(Components o, Components d, TrianglePointers triangles, std::size_t begin,
                       std::size_t count, float* __restrict t, std::int32_t* __restrict doubts) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -195,22 +187,26 @@ void certainTriangles(Components o, Components d, TrianglePointers triangles, st
     }
 }
 
-/// Calls `fill(begin, count, doubts)` for block after block, and `settle(index)` for what is doubtful.
+/// Calls `fill(begin, count, doubts)` for block after block, and `settle(index)` for what is doubtful, whose
+/// number is returned.
 template <typename Fill, typename Settle>
-void inBlocks(std::size_t size, const Fill& fill, const Settle& settle) {
+std::size_t inBlocks(std::size_t size, const Fill& fill, const Settle& settle) {
     Doubts doubts;
+    std::size_t doubtful = 0;
     for (std::size_t begin = 0; begin < size; begin += blockSize) {
         const std::size_t count = std::min(blockSize, size - begin);
         fill(begin, count, doubts.data());
-        std::int32_t any = 0;
+        std::int32_t inBlock = 0;
         for (std::size_t i = 0; i < count; ++i)
-            any |= doubts[i];
-        if (any == 0)
+            inBlock += doubts[i];
+        if (inBlock == 0)
             continue;
+        doubtful += static_cast<std::size_t>(inBlock);
         for (std::size_t i = 0; i < count; ++i)
             if (doubts[i] != 0)
                 settle(begin + i);
     }
+    return doubtful;
 }
 
 /// t rounded to float and kept finite.
@@ -222,13 +218,13 @@ float storedT(const std::optional<TriangleHit>& hit) {
 
 }  // namespace
 
-void intersectPacked(const RayArrays& rays, const Triangle& triangle, std::span<float> t) {
+std::size_t intersectPacked(const RayArrays& rays, const Triangle& triangle, std::span<float> t) {
     QX_CHECK_OP(t.size(), ==, rays.size());
     const RayPointers pointers = pointersOf(rays);
     const Components e1 = componentsOf(triangle.b - triangle.a);
     const Components e2 = componentsOf(triangle.c - triangle.a);
     const float e = larger(largestSize(e1), largestSize(e2));
-    inBlocks(
+    return inBlocks(
         rays.size(),
         [&](std::size_t begin, std::size_t count, std::int32_t* doubts) {
             certainRays(pointers, componentsOf(triangle.a), e1, e2, e, begin, count, t.data() + begin,
@@ -237,11 +233,11 @@ void intersectPacked(const RayArrays& rays, const Triangle& triangle, std::span<
         [&](std::size_t i) { t[i] = storedT(intersectTriangle(rays.at(i), triangle)); });
 }
 
-void intersectPacked(const Ray& ray, const TriangleArrays& triangles, std::span<float> t) {
+std::size_t intersectPacked(const Ray& ray, const TriangleArrays& triangles, std::span<float> t) {
     QX_CHECK_OP(t.size(), ==, triangles.size());
     const TrianglePointers pointers = pointersOf(triangles);
     const ShearedRay sheared(ray);
-    inBlocks(
+    return inBlocks(
         triangles.size(),
         [&](std::size_t begin, std::size_t count, std::int32_t* doubts) {
             certainTriangles(componentsOf(ray.origin), componentsOf(ray.direction), pointers, begin, count,

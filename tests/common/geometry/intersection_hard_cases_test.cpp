@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/triangle_hard_cases.h"
+
 namespace quincunx {
 namespace {
 
@@ -42,6 +44,9 @@ std::string nameOf(const testing::TestParamInfo<HardCase>& info) {
 }
 
 const auto cases = intersectionHardCases();
+const auto triangleCases = triangleHardCases();
+INSTANTIATE_TEST_SUITE_P(Triangles, IntersectionHardCases,
+                         testing::ValuesIn(triangleCases.begin(), triangleCases.end()), nameOf);
 INSTANTIATE_TEST_SUITE_P(Of, IntersectionHardCases, testing::ValuesIn(cases.begin(), cases.end()), nameOf);
 
 }  // namespace
