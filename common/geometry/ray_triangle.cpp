@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "geometry/predicates.h"
+#include "geometry/ray_triangle_filter.h"
 #include "math/exact.h"
 #include "math/exact_sum.h"
 #include "math/expansion.h"
@@ -139,7 +140,7 @@ std::optional<TriangleHit> ShearedRay::intersect(const Triangle& triangle, Sides
     const double depth = az + toB * alongB + toC * alongC;
     const double relative = error / std::abs(sum);
     const double depthError = 12 * relative * std::max(std::abs(alongB), std::abs(alongC)) + 8 * 0x1p-53 * z;
-    if (!(relative < 0x1p-33 && depthError < 0x1p-34 * std::abs(depth))) [[unlikely]]
+    if (!(relative < 0x1p-33 && depthError < 0x1.fp-35 * std::abs(depth))) [[unlikely]]
         return intersectExactly(triangle, sides, interval);
     const bool front = sum > 0;
     if (sides == Sides::front && !front)
@@ -184,7 +185,45 @@ std::optional<TriangleHit> ShearedRay::intersectExactly(const Triangle& triangle
 
 std::optional<TriangleHit> intersectTriangle(const Ray& ray, const Triangle& triangle, Sides sides,
                                              RayInterval interval) {
-    return ShearedRay(ray).intersect(triangle, sides, interval);
+    // Möller and Trumbore's numbers in double, where no product of floats leaves the range, by the bounds of
+    // ray_triangle_filter.h.
+    using Components = detail::Components<double>;
+    const auto difference = [](glm::vec3 to, glm::vec3 from) {
+        return Components{static_cast<double>(to.x) - from.x, static_cast<double>(to.y) - from.y,
+                          static_cast<double>(to.z) - from.z};
+    };
+    const Components s = difference(ray.origin, triangle.a);
+    const Components e1 = difference(triangle.b, triangle.a);
+    const Components e2 = difference(triangle.c, triangle.a);
+    const Components d{ray.direction.x, ray.direction.y, ray.direction.z};
+    const detail::Products<double> f = detail::productsOf(s, d, e1, e2);
+    const double w = f.det - f.u - f.v;
+    const double e = detail::larger(detail::largestSize(e1), detail::largestSize(e2));
+    const double far = detail::sumOfSizes(s) + 4 * e;
+    const double bound = 0x1p-48 * far * (detail::sumOfSizes(d) * e);
+    const double least = detail::smaller(detail::smaller(f.u, f.v), w);
+    const double most = detail::larger(detail::larger(f.u, f.v), w);
+    if (least < -bound && most > bound)
+        return std::nullopt;
+    // A hit whose weights are off by less than 2 B/|det| < 2^-33, and t, its last roundings included, by
+    // 2^-34.
+    const double size = std::abs(f.det);
+    if (!((least > bound || most < -bound) && bound < 0x1p-33 * size &&
+          0x1.01p-48 * far * (e * e) < 0x1.fp-35 * std::abs(f.t))) [[unlikely]]
+        return ShearedRay(ray).intersect(triangle, sides, interval);
+    const bool front = f.det > 0;
+    if (sides == Sides::front && !front)
+        return std::nullopt;
+    const double inverse = 1 / f.det;
+    const double t = f.t * inverse;
+    if (!isWithin(t, ray, triangle, interval))
+        return std::nullopt;
+    const double toB = f.u * inverse;
+    const double toC = f.v * inverse;
+    return TriangleHit{.t = t,
+                       .weights = glm::vec3(w * inverse, toB, toC),
+                       .point = pointOf(triangle, toB, toC),
+                       .front = front};
 }
 
 namespace {

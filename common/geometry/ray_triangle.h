@@ -78,7 +78,9 @@ class ShearedRay {
     double shearZ_ = 0;
 };
 
-/// ShearedRay(ray).intersect(...): the same result for one triangle.
+/// For one triangle: as ShearedRay(ray).intersect(...), with the same decisions and bounds. Möller and
+/// Trumbore's numbers in double come first, which need no preparation; a ShearedRay gets what they leave
+/// open.
 std::optional<TriangleHit> intersectTriangle(const Ray& ray, const Triangle& triangle,
                                              Sides sides = Sides::both, RayInterval interval = {});
 
