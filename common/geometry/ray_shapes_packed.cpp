@@ -13,7 +13,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float epsilon = 0x1p-24f;   // the unit roundoff of float
-constexpr float accepted = 0x1p-16f;  // the relative error that t may have
+constexpr float accepted = 0x1p-14f;  // the relative error that t may have
 
 struct Components {
     float x;
@@ -82,38 +82,43 @@ QUINCUNX_ALWAYS_INLINE float sphereLaneNaive(Components o, Components d, Compone
 
 struct Slab {
     float in;
-    float out;
+    float out;  ///< where not in ≤ out, the ray runs in one of the slab's planes: 0 · ∞ says nothing
 };
 
-/// A ray along the slab is in it all the way or never.
-QUINCUNX_ALWAYS_INLINE Slab slab(float o, float d, float inverse, float low, float high) {
+/// Along the slab, the reciprocal is infinite: −∞ … ∞ inside, and beside it an infinity of either sign twice.
+/// Of the two selections, one passes on the first if it is not a number, the other one the second.
+QUINCUNX_ALWAYS_INLINE Slab slab(float o, float inverse, float low, float high) {
     const float first = (low - o) * inverse;
     const float second = (high - o) * inverse;
-    const bool along = d == 0;
-    const bool beside = (o < low) | (o > high);
-    return {along ? (beside ? infinity : -infinity) : smaller(first, second),
-            along ? infinity : larger(first, second)};
+    const float in = first < second ? first : second;
+    const float out = second >= first ? second : first;
+    return {in, out};
 }
 
-/// Quotients are off by 3 ε of themselves (difference, reciprocal, product), unless they underflow.
-QUINCUNX_ALWAYS_INLINE float boxLane(Components o, Components d, Components inverse, Components low,
-                                     Components high, std::int32_t& doubt) {
-    const Slab x = slab(o.x, d.x, inverse.x, low.x, high.x);
-    const Slab y = slab(o.y, d.y, inverse.y, low.y, high.y);
-    const Slab z = slab(o.z, d.z, inverse.z, low.z, high.z);
+/// Whether quotients by these numbers are off by 3 ε of themselves (difference, reciprocal, product), or
+/// infinite where they should be.
+QUINCUNX_ALWAYS_INLINE bool usual(Components d) {
+    const float largest = larger(larger(std::abs(d.x), std::abs(d.y)), std::abs(d.z));
+    const auto atLeast = [](float v) { return (v == 0) | (std::abs(v) > 0x1p-60f); };
+    return (largest < 0x1p60f) & (largest > 0) & atLeast(d.x) & atLeast(d.y) & atLeast(d.z);
+}
+
+/// What overflows is an infinity of the right sign, and what underflows is far below 2^-60.
+QUINCUNX_ALWAYS_INLINE float boxLane(Components o, Components inverse, Components low, Components high,
+                                     std::int32_t& doubt) {
+    const Slab x = slab(o.x, inverse.x, low.x, high.x);
+    const Slab y = slab(o.y, inverse.y, low.y, high.y);
+    const Slab z = slab(o.z, inverse.z, low.z, high.z);
     const float enter = larger(larger(x.in, y.in), z.in);
     const float exit = smaller(smaller(x.out, y.out), z.out);
-    const float larger3 = larger(larger(std::abs(d.x), std::abs(d.y)), std::abs(d.z));
-    const auto usual = [](float v) {
-        return (v == 0) | ((std::abs(v) > 0x1p-60f) & (std::abs(v) < 0x1p60f));
-    };
-    const bool inRange = usual(d.x) & usual(d.y) & usual(d.z) & (larger3 > 0) & (std::abs(exit) > 0x1p-60f) &
-                         (std::abs(exit) < 0x1p120f);
     const float margin = 8 * epsilon * larger(std::abs(enter), std::abs(exit));
-    const bool miss = (exit < 0) | (enter > exit + margin);
-    const bool hit = (exit >= 0) & (enter < exit - margin);
-    doubt = inRange & (miss | hit) ? 0 : 1;
-    return miss ? infinity : larger(enter, 0);
+    const bool behind = exit < -0x1p-60f;
+    const bool ahead = (exit > 0x1p-60f) & (exit < 0x1p120f);
+    const bool miss = enter - margin > exit;
+    const bool hit = enter + margin < exit;
+    const bool ordered = (x.in <= x.out) & (y.in <= y.out) & (z.in <= z.out);
+    doubt = ordered & (behind | (ahead & (miss | hit))) ? 0 : 1;
+    return behind | miss ? infinity : larger(enter, 0);
 }
 
 QUINCUNX_ALWAYS_INLINE float boxLaneNaive(Components o, Components inverse, Components low, Components high) {
@@ -165,7 +170,9 @@ void raysToBox(Pointers o, Pointers d, Components low, Components high, std::siz
                float* __restrict t, std::int32_t* __restrict doubts) {
     for (std::size_t i = 0; i < count; ++i) {
         const Components direction{d.x[i], d.y[i], d.z[i]};
-        t[i] = boxLane({o.x[i], o.y[i], o.z[i]}, direction, reciprocal(direction), low, high, doubts[i]);
+        std::int32_t doubt = 0;
+        t[i] = boxLane({o.x[i], o.y[i], o.z[i]}, reciprocal(direction), low, high, doubt);
+        doubts[i] = usual(direction) ? doubt : 1;
     }
 }
 
@@ -174,8 +181,8 @@ void rayToBoxes(Components o, Components d, Pointers low, Pointers high, std::si
                 float* __restrict t, std::int32_t* __restrict doubts) {
     const Components inverse = reciprocal(d);
     for (std::size_t i = 0; i < count; ++i)
-        t[i] = boxLane(o, d, inverse, {low.x[i], low.y[i], low.z[i]}, {high.x[i], high.y[i], high.z[i]},
-                       doubts[i]);
+        t[i] =
+            boxLane(o, inverse, {low.x[i], low.y[i], low.z[i]}, {high.x[i], high.y[i], high.z[i]}, doubts[i]);
 }
 
 QUINCUNX_FOR_EACH_VECTOR_UNIT
@@ -301,6 +308,11 @@ std::size_t intersectPacked(const RayArrays& rays, const Bounds& box, std::span<
 
 std::size_t intersectPacked(const Ray& ray, const BoxArrays& boxes, std::span<float> t) {
     QX_CHECK_EQ(t.size(), boxes.size());
+    if (!usual(componentsOf(ray.direction))) {
+        for (std::size_t i = 0; i < t.size(); ++i)
+            t[i] = boxScalar(ray, boxes.at(i));
+        return t.size();
+    }
     return inBlocks(
         t.size(),
         [&](std::size_t begin, std::size_t count, std::int32_t* doubts) {

@@ -13,7 +13,7 @@
 ///
 /// Hit or miss is decided exactly, as `raySphere` and `rayBox` do: float arithmetic with a bound on its
 /// rounding errors settles nearly all pairs, and the scalar routines those that it leaves open. t is within
-/// 2^-16 of its value, relative. Held by PackedRayShapes.*.
+/// 2^-14 of its value, relative, as far as float's range lets. Held by PackedRayShapes.*.
 namespace quincunx {
 
 struct BallArrays {

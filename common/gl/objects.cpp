@@ -187,6 +187,9 @@ void DeleteProgram::operator()(GLuint name) const {
     detail::forgetProgram(name);
     deleteQuietly([&] { glDeleteProgram(name); });
 }
+void DeleteSampler::operator()(GLuint name) const {
+    deleteQuietly([&] { glDeleteSamplers(1, &name); });
+}
 void DeleteQuery::operator()(GLuint name) const {
     deleteQuietly([&] { glDeleteQueries(1, &name); });
 }
@@ -315,6 +318,31 @@ void Texture2D::setWrap(GLenum s, GLenum t) {
     detail::bindTextureForEditing(get());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, static_cast<GLint>(s));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, static_cast<GLint>(t));
+}
+
+Sampler::Sampler(std::string_view label, const Params& params) {
+    GLuint name = 0;
+    glGenSamplers(1, &name);
+    handle_ = Handle<DeleteSampler>(name);
+    glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(params.minification));
+    glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(params.magnification));
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+        glSamplerParameteri(name, axis, static_cast<GLint>(params.wrap));
+    if (params.compare) {
+        glSamplerParameteri(name, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+        glSamplerParameteri(name, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    }
+    setLabel(GL_SAMPLER, name, label);
+}
+
+Sampler::Use::Use(const Sampler& sampler, GLuint unit) : unit_(unit) {
+    QX_CHECK(sampler.handle_);
+    glBindSampler(unit, sampler.handle_.get());
+}
+
+Sampler::Use::~Use() {
+    // Not checked: a destructor must not throw.
+    glad_glBindSampler(unit_, 0);
 }
 
 Query::Query(std::string_view label, GLenum target) : target_(target) {

@@ -53,6 +53,9 @@ struct DeleteFramebuffer {
 struct DeleteProgram {
     void operator()(GLuint name) const;
 };
+struct DeleteSampler {
+    void operator()(GLuint name) const;
+};
 struct DeleteQuery {
     void operator()(GLuint name) const;
 };
@@ -133,6 +136,34 @@ class Texture2D {
     int width_ = 0;
     int height_ = 0;
     GLenum internalFormat_ = 0;
+};
+
+/// How a unit reads whatever texture is bound to it, instead of as the texture itself says.
+class Sampler {
+  public:
+    struct Params {
+        GLenum minification = GL_NEAREST;
+        GLenum magnification = GL_NEAREST;
+        GLenum wrap = GL_CLAMP_TO_EDGE;
+        bool compare = false;  ///< depth textures: the share of texels that a reference is not beyond (≤)
+    };
+    Sampler() = default;
+    Sampler(std::string_view label, const Params& params);
+
+    /// Applies to a unit until its end.
+    class Use {
+      public:
+        Use(const Sampler& sampler, GLuint unit);
+        ~Use();
+        Use(const Use&) = delete;
+        Use& operator=(const Use&) = delete;
+
+      private:
+        GLuint unit_;
+    };
+
+  private:
+    Handle<DeleteSampler> handle_;
 };
 
 /// Draws into textures. Incomplete: a GlError that lists the attachments.

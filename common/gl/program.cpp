@@ -203,6 +203,11 @@ Program::Built Program::build(const ProgramFiles& files, std::vector<FileStamp>&
     for (const BlockBinding& block : files.blocks)
         if (const GLuint index = glGetUniformBlockIndex(name, block.block.c_str()); index != GL_INVALID_INDEX)
             glUniformBlockBinding(name, index, block.binding);
+    for (const SamplerBinding& sampler : files.samplers)
+        if (const GLint location = glGetUniformLocation(name, sampler.uniform.c_str()); location >= 0) {
+            detail::useProgram(name);
+            glUniform1i(location, sampler.unit);
+        }
 
     GLint count = 0;
     GLint maxLength = 0;
@@ -355,7 +360,7 @@ const Program& ProgramCache::get(const ProgramFiles& files) {
         const ProgramFiles& other = program->files();
         return other.vertex == files.vertex && other.fragment == files.fragment &&
                other.geometry == files.geometry && other.defines == files.defines &&
-               other.blocks == files.blocks;
+               other.blocks == files.blocks && other.samplers == files.samplers;
     };
     const auto known = std::find_if(programs_.begin(), programs_.end(), same);
     if (known != programs_.end())

@@ -55,8 +55,15 @@ struct BlockBinding {
     bool operator==(const BlockBinding&) const = default;
 };
 
-/// Which files make a program, which `#define`s they see, and where its uniform blocks are bound. Blocks that
-/// the program does not use are passed over.
+/// Which texture unit a sampler reads from the start.
+struct SamplerBinding {
+    std::string uniform;
+    GLint unit = 0;
+    bool operator==(const SamplerBinding&) const = default;
+};
+
+/// Which files make a program, which `#define`s they see, and where its uniform blocks and samplers are
+/// bound. Blocks and samplers that the program does not use are passed over.
 struct ProgramFiles {
     std::string label = {};
     std::string vertex = {};    ///< relative to shaders/
@@ -64,6 +71,7 @@ struct ProgramFiles {
     std::string geometry = {};  ///< empty: none
     std::vector<std::pair<std::string, std::string>> defines = {};
     std::vector<BlockBinding> blocks = {};
+    std::vector<SamplerBinding> samplers = {};
 };
 
 /// The state of a file on disk, to see later whether it changed.

@@ -91,6 +91,7 @@ struct Sweep {
     std::string errorUnit;
     int width = 480;   ///< pixels, where no other size is asked for
     int height = 360;  ///< pixels
+    /// The first knob's values are the plot's series. Knobs that a point leaves out are as before the sweep.
     std::vector<KnobValues> points;
     /// Called with the knobs set to a point, and with the same frame for all points.
     std::function<SweepSample(Studio&, const Frame&)> measure;

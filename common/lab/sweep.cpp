@@ -31,6 +31,24 @@ std::string csvField(std::string_view text) {
     return quoted + '"';
 }
 
+/// The points with every knob that any of them names, in the order of first mention; a point that is silent
+/// about a knob has it as it is now.
+std::vector<KnobValues> completePoints(const std::vector<KnobValues>& points, const KnobSet& knobs) {
+    KnobValues named;
+    for (const KnobValues& point : points)
+        for (const auto& [name, value] : point)
+            if (std::none_of(named.begin(), named.end(),
+                             [&](const auto& known) { return known.first == name; }))
+                named.emplace_back(name, knobs.find(name).text());
+    std::vector<KnobValues> complete(points.size(), named);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (const auto& [name, value] : points[i])
+            std::find_if(complete[i].begin(), complete[i].end(), [&](const auto& knob) {
+                return knob.first == name;
+            })->second = value;
+    return complete;
+}
+
 }  // namespace
 
 SweepResult runSweep(Lab& lab, const LabEntry& entry, const Sweep& sweep, Studio& studio,
@@ -40,7 +58,7 @@ SweepResult runSweep(Lab& lab, const LabEntry& entry, const Sweep& sweep, Studio
     SweepResult result{entry.folder(), sweep.name,      sweep.title, sweep.reference,
                        sweep.metric,   sweep.errorUnit, {},          {}};
     Progress progress(fmt::format("{} {}", entry.folder(), sweep.name), sweep.points.size());
-    for (const KnobValues& point : sweep.points) {
+    for (const KnobValues& point : completePoints(sweep.points, lab.knobs())) {
         lab.knobs().set(point);
         result.points.push_back({point, sweep.measure(studio, frame), false});
         progress.update(result.points.size());

@@ -11,7 +11,8 @@ namespace quincunx {
 namespace {
 
 gl::ProgramFiles variantOf(gl::ProgramFiles files, bool doubleSided) {
-    files.blocks = SceneBuffers::bindings();
+    if (files.blocks.empty())
+        files.blocks = SceneBuffers::bindings();
     if (doubleSided)
         files.defines.emplace_back("DOUBLE_SIDED", "");
     return files;
@@ -76,10 +77,10 @@ ForwardView forwardView(const Camera& camera, float aspect) {
             glm::vec3(camera.worldFromCamera[3])};
 }
 
-void ForwardScene::draw(graph::PassContext& context, const ForwardView& view) {
+ForwardParams ForwardScene::update(const glm::mat4& clipFromWorld, glm::vec3 eyeWorld) {
     if (!buffers_)
         buffers_.emplace(scene_, SceneBuffers::Layout::shared);
-    ForwardParams params{.background = view.background};
+    ForwardParams params;
     std::vector<ObjectBlock> objects;
     for (const Instance& instance : scene_.instances) {
         const Material& material = scene_.materials[instance.material];
@@ -87,8 +88,53 @@ void ForwardScene::draw(graph::PassContext& context, const ForwardView& view) {
         params.doubleSided.push_back(material.doubleSided);
         params.mirrored.push_back(determinant(glm::mat3(instance.worldFromModel)) < 0);
     }
-    buffers_->update(makeFrameBlock(scene_, scene_.lights, view.clipFromWorld, view.eyeWorld), objects);
+    buffers_->update(makeFrameBlock(scene_, scene_.lights, clipFromWorld, eyeWorld), objects);
+    return params;
+}
+
+void ForwardScene::draw(graph::PassContext& context, const ForwardView& view,
+                        const gl::ProgramFiles& program) {
+    ForwardParams params = update(view.clipFromWorld, view.eyeWorld);
+    params.program = program;
+    params.background = view.background;
     drawForward(context, *buffers_, params);
+}
+
+void ForwardScene::drawDepth(graph::PassContext& context, const glm::mat4& clipFromWorld, bool backFaces) {
+    const ForwardParams params = update(clipFromWorld, glm::vec3(0));
+    buffers_->bindVertices();
+    glEnable(GL_DEPTH_TEST);
+    for (const bool cutOut : {false, true}) {
+        const gl::Program* program = nullptr;
+        for (std::size_t i = 0; i < buffers_->instanceCount(); ++i) {
+            const Material& material = scene_.materials[scene_.instances[i].material];
+            if ((material.alphaMode == Material::AlphaMode::mask) != cutOut)
+                continue;
+            if (program == nullptr) {
+                gl::ProgramFiles files{.label = "shadow map",
+                                       .vertex = "passes/shadow_map.vert",
+                                       .fragment = "passes/shadow_map.frag",
+                                       .blocks = SceneBuffers::bindings()};
+                if (cutOut)
+                    files.defines.emplace_back("CUT_OUT", "");
+                program = &context.programs().get(files);
+                program->use();
+                program->set("shadowClipFromWorld", clipFromWorld);
+            }
+            if (!cutOut && !params.doubleSided[i]) {
+                glEnable(GL_CULL_FACE);
+                glCullFace(backFaces ? GL_FRONT : GL_BACK);
+                glFrontFace(params.mirrored[i] ? GL_CW : GL_CCW);
+            } else {
+                glDisable(GL_CULL_FACE);
+            }
+            buffers_->draw(i);
+        }
+    }
+    glDisable(GL_CULL_FACE);
+    glCullFace(GL_BACK);
+    glFrontFace(GL_CCW);
+    glDisable(GL_DEPTH_TEST);
 }
 
 }  // namespace quincunx

@@ -12,10 +12,11 @@ namespace quincunx {
 gl::ProgramFiles phongProgram(bool blinnPhong = true);
 
 struct ForwardParams {
-    gl::ProgramFiles program = phongProgram();  ///< `DOUBLE_SIDED` is defined for instances that are
-    std::vector<bool> doubleSided = {};         ///< by instance: the back is lit as well
-    std::vector<bool> mirrored = {};  ///< by instance: its placement makes clockwise of counter-clockwise
-    bool background = true;           ///< draw the frame block's gradient first
+    /// Its blocks are SceneBuffers' where it names none. `DOUBLE_SIDED` is defined for instances that are.
+    gl::ProgramFiles program = phongProgram();
+    std::vector<bool> doubleSided = {};  ///< by instance: the back is lit as well
+    std::vector<bool> mirrored = {};     ///< by instance: its placement makes clockwise of counter-clockwise
+    bool background = true;              ///< draw the frame block's gradient first
 };
 
 /// Draws every instance of `buffers`, whose blocks are up to date, into the bound target, whose depth is
@@ -42,10 +43,18 @@ class ForwardScene {
 
     /// Into the bound target's viewport, whose depth is clear. The buffers are made at the first call, in the
     /// context that is current then.
-    void draw(graph::PassContext& context, const ForwardView& view);
+    void draw(graph::PassContext& context, const ForwardView& view,
+              const gl::ProgramFiles& program = phongProgram());
+
+    /// Positions alone, into the bound depth target's viewport, as a light sees them. `backFaces`: the far
+    /// sides of solids instead of the near ones; what is double-sided or cut out is drawn from both.
+    void drawDepth(graph::PassContext& context, const glm::mat4& clipFromWorld, bool backFaces);
     std::size_t triangleCount() const { return scene_.triangleCount(); }
 
   private:
+    /// Sends the instances' blocks, and tells how they are drawn.
+    ForwardParams update(const glm::mat4& clipFromWorld, glm::vec3 eyeWorld);
+
     Scene scene_;
     std::optional<SceneBuffers> buffers_;
 };

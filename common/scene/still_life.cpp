@@ -1,5 +1,6 @@
 #include "scene/still_life.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -161,7 +162,9 @@ Scene tessellate(const StillLife& stillLife, int segments) {
     for (const StillLife::Object& object : stillLife.objects) {
         scene.instances.push_back(
             {object.name, scene.meshes.size(), scene.materials.size(), object.worldFromModel});
-        scene.meshes.push_back(tessellate(object.shape, segments, object.name));
+        const long scaled = std::lround(static_cast<float>(segments) * object.detail);
+        scene.meshes.push_back(
+            tessellate(object.shape, static_cast<int>(std::clamp(scaled, 3L, 4096L)), object.name));
         scene.materials.push_back(object.material);
     }
     scene.lights = stillLife.lights;

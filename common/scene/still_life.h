@@ -18,6 +18,7 @@ struct StillLife {
         Shape shape;
         Material material;
         glm::mat4 worldFromModel{1};
+        float detail = 1;  ///< times the segments that the others get, for what is large or small
     };
     std::vector<Object> objects;
     std::vector<Light> lights;
@@ -32,7 +33,7 @@ struct StillLife {
 StillLife makeStillLife();
 
 /// The same as triangles: for each object a mesh, a material and an instance of its name, in order.
-/// `segments` as in quincunx::tessellate for shapes.
+/// `segments` as in quincunx::tessellate for shapes, times each object's detail and kept in its range.
 Scene tessellate(const StillLife& stillLife, int segments);
 
 }  // namespace quincunx

@@ -20,7 +20,8 @@ namespace quincunx {
 ///   Blinn–Phong: s = max(0, n·h)^k,  h = (l + v) / |l + v|   (Blinn 1977); 0 where l = -v
 /// where x^0 = 1 for every x, 0 included. E = color · intensity for a directional light; a point light's is
 /// divided by the squared distance, a spot's also multiplied with its cone (see shaders/lib/phong.glsl).
-/// As intensities are divided by π (scene.h), there is no π here. There are no shadows.
+/// As intensities are divided by π (scene.h), there is no π here. With `shadows`, E is 0 where something lies
+/// between the point and the light.
 struct PhongModel {
     enum class Reflection { phong, blinnPhong };
     Reflection reflection = Reflection::phong;
@@ -28,6 +29,7 @@ struct PhongModel {
     bool diffuse = true;
     bool specular = true;
     bool emission = true;
+    bool shadows = false;
 };
 
 /// The picture that drawing infinitely many triangles with shading per pixel tends to: one ray through each
@@ -42,5 +44,11 @@ struct PhongModel {
 Image traceReference(const StillLife& scene, const Camera& camera, int width, int height,
                      const PhongModel& model = {}, const glm::mat4& worldFromWorld = glm::mat4(1),
                      const std::atomic<bool>* stop = nullptr);
+
+/// Which pixels see a point that a light reaches: 1 if the surface faces it and nothing lies between, 0 if
+/// not, −1 where there is no surface. The same rays as `traceReference`; one channel. The ray to the light
+/// starts 1e-9 of the scene's size above the surface, far above the tracer's rounding.
+Image traceLitMask(const StillLife& scene, const Camera& camera, int width, int height, std::size_t light,
+                   const std::atomic<bool>* stop = nullptr);
 
 }  // namespace quincunx

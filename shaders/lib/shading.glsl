@@ -5,6 +5,11 @@
 #include "lib/object.glsl"
 #include "lib/phong.glsl"
 
+// The share of a light that nothing keeps away: 1 unless a pass with shadows says otherwise.
+#ifndef LIT_SHARE
+#define LIT_SHARE(light, position, n) 1.0
+#endif
+
 struct Shade {
     vec3 textured;  // ambient and diffuse: multiplied by the texture
     vec3 plain;     // specular and emission: not
@@ -22,7 +27,7 @@ Shade shade(vec3 positionWorld, vec3 n) {
     for (int i = 0; i < lightCount.x; ++i) {
         PhongLight light = phongLight(lights[i]);
         LightSample incoming = sampleLight(light, positionWorld);
-        vec3 arriving = light.radiance * incoming.strength;
+        vec3 arriving = light.radiance * (incoming.strength * LIT_SHARE(i, positionWorld, n));
 #ifdef BLINN_PHONG
         float highlight = blinnPhongSpecular(n, incoming.wi, wo, specular.a);
 #else

@@ -1,26 +1,21 @@
+#include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
-#include "base/paths.h"
 #include "image/compare.h"
-#include "image/io.h"
 #include "lab/studio.h"
 #include "labs/10_shading/lab.h"
+#include "tests/labs/lab_test.h"
 
 namespace quincunx {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct Size {
-    int width;
-    int height;
-};
+using test::isFinite;
+using test::largestDifference;
+using test::Size;
 
 constexpr Size small{96, 72};
 constexpr Size large{320, 180};
@@ -55,23 +50,8 @@ class Shading10 : public testing::TestWithParam<gl::Backend> {
     Studio studio_;
 };
 
-std::string backendOf(const testing::TestParamInfo<gl::Backend>& info) {
-    return std::string(gl::backendName(info.param));
-}
-
-INSTANTIATE_TEST_SUITE_P(On, Shading10, testing::Values(gl::Backend::osmesa, gl::Backend::egl), backendOf);
-
-double largestDifference(const Image& a, const Image& b) {
-    double largest = 0;
-    for (std::size_t i = 0; i < a.data.size(); ++i)
-        largest = std::max(largest, std::abs(static_cast<double>(a.data[i]) - b.data[i]));
-    return largest;
-}
-
-bool isFinite(const Image& image) {
-    return std::all_of(image.data.begin(), image.data.end(),
-                       [](float value) { return std::isfinite(value); });
-}
+INSTANTIATE_TEST_SUITE_P(On, Shading10, testing::Values(gl::Backend::osmesa, gl::Backend::egl),
+                         test::nameOfBackend);
 
 TEST_P(Shading10, EveryModelNearsTheExactSurfacesInBothSizes) {
     for (const Size size : {small, large})
@@ -262,46 +242,14 @@ TEST_P(Shading10, CompareShowsTheThreeModelsSideBySide) {
 
 TEST(Shading10Backends, OsmesaAndEglGiveTheSameBits) {
     for (const int shading : {0, 1, 2, 3})
-        for (const Size size : {small, large}) {
-            std::vector<Image8> pictures;
-            for (const gl::Backend backend : {gl::Backend::osmesa, gl::Backend::egl}) {
-                ShadingLab lab;
-                lab.shading.set(shading);
-                Studio studio(backend);
-                pictures.push_back(studio.picture(lab, studio.frame(lab, size.width, size.height)));
-            }
-            EXPECT_EQ(pictures[0], pictures[1]) << shading << " " << size.width;
-        }
+        test::expectSameBitsOnBothBackends(
+            [shading] {
+                auto lab = std::make_unique<ShadingLab>();
+                lab->shading.set(shading);
+                return lab;
+            },
+            {small, large});
 }
-
-/// A copy of the shaders in which one place is broken; assets come from it while this lives.
-class BrokenShaders {
-  public:
-    BrokenShaders(const std::string& file, const std::string& from, const std::string& to)
-        : root_(fs::temp_directory_path() / fs::path("quincunx_mutation_" + std::to_string(getpid()))) {
-        fs::remove_all(root_);
-        fs::create_directories(root_);
-        fs::copy(assetRoot() / "shaders", root_ / "shaders", fs::copy_options::recursive);
-        const fs::path path = root_ / "shaders" / file;
-        std::ifstream in(path);
-        std::string text((std::istreambuf_iterator<char>(in)), {});
-        in.close();
-        const std::size_t place = text.find(from);
-        found_ = place != std::string::npos;
-        if (found_)
-            std::ofstream(path) << text.replace(place, from.size(), to);
-        setenv("QUINCUNX_ROOT", root_.c_str(), 1);
-    }
-    ~BrokenShaders() {
-        unsetenv("QUINCUNX_ROOT");
-        fs::remove_all(root_);
-    }
-    bool found() const { return found_; }
-
-  private:
-    fs::path root_;
-    bool found_ = false;
-};
 
 struct Mutation {
     const char* file;
@@ -366,58 +314,31 @@ TEST(Shading10Mutations, EveryBrokenShaderIsNoticed) {
     };
     for (const Mutation& mutation : mutations) {
         EXPECT_LE(verdict(mutation), 1) << mutation.file << ": the shader as it is misses the limit";
-        const BrokenShaders broken(mutation.file, mutation.from, mutation.to);
+        const test::BrokenShaders broken(mutation.file, mutation.from, mutation.to);
         ASSERT_TRUE(broken.found()) << mutation.file << " no longer holds: " << mutation.from;
         EXPECT_GT(verdict(mutation), 1) << mutation.file << ": " << mutation.from << " -> " << mutation.to;
     }
 }
 
-/// Golden pictures, by name; written afresh when QUINCUNX_WRITE_GOLDENS is set.
 TEST(Shading10Goldens, LookAsTheyDid) {
-    // The vector width of the processor changes single pixels at edges; the mean ꟻLIP of that is below 0.001.
-    constexpr double limit = 0.003;
-    const fs::path folder = fs::path(QUINCUNX_SOURCE_DIR) / "data/golden/10_shading";
     Studio studio(gl::Backend::egl);
     for (const char* shading : {"flat", "gouraud", "phong", "compare"}) {
         ShadingLab lab;
         lab.shading.parse(shading);
         lab.tessellation.set(20);
-        const Image8 picture = studio.picture(lab, studio.frame(lab, 160, 120));
-        const fs::path file = folder / (std::string(shading) + ".png");
-        if (std::getenv("QUINCUNX_WRITE_GOLDENS") != nullptr)
-            writeImage(file, picture);
-        EXPECT_LE(compareImages(readImage8(file), picture, Metric::flip).value, limit) << shading;
+        test::expectGolden(studio.picture(lab, studio.frame(lab, 160, 120)), "10_shading", shading);
     }
 }
 
 TEST(Shading10Answers, AllHold) {
     ShadingLab lab;
     Studio studio(gl::Backend::automatic);
-    std::vector<int> numbers;
-    for (const Question& question : lab.questions()) {
-        numbers.push_back(question.number);
-        EXPECT_FALSE(question.asked.empty());
-        EXPECT_FALSE(question.answer.empty());
-        const std::vector<Measurement> figures = question.measure(studio);
-        int bounded = 0;
-        for (const Measurement& figure : figures) {
-            EXPECT_TRUE(figure.pass()) << question.number << ": " << figure.name << " = " << figure.value;
-            bounded += figure.bound ? 1 : 0;
-        }
-        EXPECT_GE(bounded, 2) << question.number;
-    }
-    EXPECT_EQ(numbers, (std::vector<int>{32, 37, 90, 105, 113, 114}));
+    test::expectAnswersHold(lab, studio, {32, 37, 90, 105, 113, 114});
 }
 
 TEST(Shading10Stress, StableFormsKeepTheirBoundsWhereNaiveOnesDoNot) {
     ShadingLab lab;
-    for (const HardCase& hardCase : lab.hardCases()) {
-        const HardCaseFigures figures = hardCase.run(5000, 7);
-        EXPECT_TRUE(hardCase.holds(figures)) << hardCase.routine << ": " << hardCase.hardInput;
-        EXPECT_TRUE(figures.naiveFailures > 0 || figures.naiveError > hardCase.bound)
-            << hardCase.routine << ": " << hardCase.hardInput;
-        EXPECT_GE(figures.inputs, 5000u);
-    }
+    test::expectStressHolds(lab);
 }
 
 /// Knobs, reference and counters of a sweep at the points a test can afford; the times are not looked at.

@@ -19,6 +19,41 @@ std::vector<SweepPoint> pointsOf(const std::vector<std::pair<double, double>>& s
     return points;
 }
 
+/// Draws nothing; its sweep tells what the knobs were.
+class TwoKnobs final : public Lab {
+  public:
+    std::string topic() const override { return "two knobs"; }
+    graph::Resource build(graph::FrameGraph&, const Frame&) override { return {}; }
+    Camera defaultCamera() const override { return {}; }
+    Bounds sceneBounds() const override { return {}; }
+    IntKnob a{knobs(), "a", 1, {0, 100}, "", "first"};
+    IntKnob b{knobs(), "b", 2, {0, 100}, "", "second"};
+};
+
+TEST(RunSweep, APointThatIsSilentAboutAKnobHasItAsItWas) {
+    TwoKnobs lab;
+    lab.b.set(7);
+    Sweep sweep;
+    sweep.name = "knobs";
+    sweep.points = {{{"a", "10"}}, {{"b", "20"}, {"a", "11"}}, {{"a", "12"}}};
+    sweep.measure = [&lab](Studio&, const Frame&) {
+        SweepSample sample;
+        sample.error = lab.a * 1000 + lab.b;
+        sample.seconds = 1;
+        return sample;
+    };
+    Studio studio(gl::Backend::osmesa);
+    const SweepResult result = runSweep(lab, {1, "two_knobs", nullptr}, sweep, studio, {});
+    ASSERT_EQ(result.points.size(), 3u);
+    EXPECT_EQ(result.points[0].sample.error, 10007);
+    EXPECT_EQ(result.points[1].sample.error, 11020);
+    EXPECT_EQ(result.points[2].sample.error, 12007);
+    EXPECT_EQ(result.points[0].knobs, (KnobValues{{"a", "10"}, {"b", "7"}}));
+    EXPECT_EQ(result.points[1].knobs, (KnobValues{{"a", "11"}, {"b", "20"}}));
+    EXPECT_EQ(lab.a, 1);
+    EXPECT_EQ(lab.b, 7);
+}
+
 TEST(ParetoFront, HoldsWhatNothingBeats) {
     std::vector<SweepPoint> points = pointsOf({{1, 9}, {2, 4}, {3, 5}, {4, 1}, {4, 2}, {5, 1}, {1, 9}});
     markParetoFront(points);

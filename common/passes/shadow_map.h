@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gl/executor.h"
+#include "passes/forward.h"
+
+/// Shadow maps (Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978): what a light sees
+/// first is drawn into a depth map; a point that lies deeper than the map says is in shadow.
+namespace quincunx {
+
+inline constexpr std::size_t maxShadowViews = 6;
+
+/// One view from the light, drawn into a square tile of the map.
+struct ShadowView {
+    glm::mat4 clipFromWorld{1};
+    float viewDistance = 0;  ///< cascades: serves points up to this distance along the eye's view
+};
+
+/// All views that a light needs.
+struct ShadowViews {
+    enum class Kind { cascades, single, cube };
+    Kind kind = Kind::single;
+    std::vector<ShadowView> views;  ///< cascades: by distance; cube: +x −x +y −y +z −z
+};
+
+/// What the receiving side leaves between a surface and its own image in the map.
+enum class ShadowBias {
+    none,
+    constant,       ///< the same depth everywhere
+    slope,          ///< glPolygonOffset in the map: a constant, and a share of each triangle's slope
+    receiverPlane,  ///< half a texel along the receiver's own plane (Isidoro 2006)
+};
+
+struct ShadowMapParams {
+    int resolution = 1024;  ///< texels along a side of one view's tile, ≥ 1
+    int cascades = 1;       ///< of a directional light: 1 … 4
+    ShadowBias bias = ShadowBias::receiverPlane;
+    /// constant: texels' widths in depth; slope, receiverPlane: multiples of what theory asks for.
+    float biasScale = 1;
+    bool bilinear = false;   ///< each tap compares four texels and blends
+    int radius = 0;          ///< of the (2 radius + 1)² taps of percentage-closer filtering (Reeves 1987)
+    bool backFaces = false;  ///< draw the casters' backs into the map instead of their fronts
+    bool operator==(const ShadowMapParams&) const = default;
+};
+
+/// The views of a light that hold all of the scene that can shade what the camera sees. A directional light
+/// gets boxes around the vertices, or, for several cascades, around the slices of the camera's view between
+/// distances halfway between logarithmic and even steps (Zhang et al., "Parallel-split shadow maps", VRCIA
+/// 2006). A spot up to 80° from its axis gets one perspective view, wider ones and points six. Scenes that
+/// are empty or not finite: no views, so no shadow. Looks at every vertex. Held by ShadowViews.*.
+ShadowViews fitShadowViews(const Light& light, const Scene& casters, const Camera& camera, float aspect,
+                           const ShadowMapParams& params);
+
+/// A light's map: its views, what shaders read of it, and how it is drawn.
+class ShadowMap {
+  public:
+    /// Width and height of the map for so many views: tiles side by side.
+    static glm::ivec2 size(std::size_t views, int resolution);
+
+    /// Draws the casters into the bound depth target of that size.
+    void draw(graph::PassContext& context, ForwardScene& casters, const ShadowViews& views,
+              const ShadowMapParams& params);
+
+    /// What the lookup needs to know.
+    struct Lookup {
+        const gl::Texture2D& map;
+        const ShadowViews& views;  ///< none: everything is lit
+        const ShadowMapParams& params;
+        const Camera& camera;        ///< whose view the cascades were cut from
+        int lightIndex = 0;          ///< which of the scene's lights the map is of
+        glm::vec3 lightPosition{0};  ///< of points and wide spots
+    };
+    /// Draws the scene into the bound target's viewport, whose depth is clear, with the map's shadows.
+    /// `mask`: instead of light the share of taps that the light reaches, as grey; 0 where surfaces face
+    /// away.
+    void drawShadowed(graph::PassContext& context, ForwardScene& scene, const ForwardView& view,
+                      const Lookup& lookup, bool mask = false);
+
+  private:
+    std::optional<gl::Buffer> block_;
+    std::optional<gl::Sampler> nearest_;
+    std::optional<gl::Sampler> bilinear_;
+};
+
+}  // namespace quincunx

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "gl/context.h"
+#include "image/image.h"
+#include "lab/lab.h"
+#include "lab/studio.h"
+
+/// What the tests of all labs share.
+namespace quincunx::test {
+
+/// A picture's size in pixels.
+struct Size {
+    int width;
+    int height;
+};
+
+/// The largest difference of two values of two images of the same size.
+double largestDifference(const Image& a, const Image& b);
+bool isFinite(const Image& image);
+
+/// For INSTANTIATE_TEST_SUITE_P over back ends.
+std::string nameOfBackend(const testing::TestParamInfo<gl::Backend>& info);
+
+/// A copy of the shaders in which one place is broken; assets come from it while this lives.
+class BrokenShaders {
+  public:
+    /// Replaces the first `from` of a file under shaders/ by `to`.
+    BrokenShaders(const std::string& file, const std::string& from, const std::string& to);
+    ~BrokenShaders();
+    BrokenShaders(const BrokenShaders&) = delete;
+    BrokenShaders& operator=(const BrokenShaders&) = delete;
+    /// False if the file no longer holds what was to be broken.
+    bool found() const { return found_; }
+
+  private:
+    std::filesystem::path root_;
+    bool found_ = false;
+};
+
+/// The lab answers just these questions, in words and in figures, at least two of them with a bound, and all
+/// bounds hold.
+void expectAnswersHold(Lab& lab, Studio& studio, const std::vector<int>& numbers);
+
+/// Every hard case keeps its bound where its naive form does not.
+void expectStressHolds(Lab& lab, std::uint64_t inputs = 5000);
+
+/// The picture is that of data/golden/LAB/NAME.png, but for what another vector width of the processor moves
+/// at edges (mean ꟻLIP below 0.001). Written afresh when QUINCUNX_WRITE_GOLDENS is set.
+void expectGolden(const Image8& picture, const std::string& labFolder, const std::string& name,
+                  double limit = 0.003);
+
+/// OSMesa and EGL draw the lab, as it is, with the same bits in each size.
+template <typename MakeLab>
+void expectSameBitsOnBothBackends(const MakeLab& makeLab, const std::vector<Size>& sizes) {
+    for (const Size size : sizes) {
+        std::vector<Image8> pictures;
+        for (const gl::Backend backend : {gl::Backend::osmesa, gl::Backend::egl}) {
+            const auto lab = makeLab();
+            Studio studio(backend);
+            pictures.push_back(studio.picture(*lab, studio.frame(*lab, size.width, size.height)));
+        }
+        EXPECT_EQ(pictures[0], pictures[1]) << size.width << "x" << size.height;
+    }
+}
+
+}  // namespace quincunx::test
