@@ -475,7 +475,7 @@ Solid::Solid(const Shape& shape) {
     boundingRadius_ *= 1 + 16 * unitRoundoff;
 }
 
-std::optional<Hit> Solid::intersect(const Ray& ray) const {
+std::optional<Hit> Solid::intersect(const DRay& ray) const {
     const double squared = glm::dot(ray.direction, ray.direction);
     QX_CHECK_GT(squared, 0.0);
     const double speed = std::sqrt(squared);
@@ -526,7 +526,7 @@ std::optional<Hit> Solid::intersect(const Ray& ray) const {
     return nearest;
 }
 
-std::optional<Hit> intersect(const Shape& shape, const Ray& ray) {
+std::optional<Hit> intersect(const Shape& shape, const DRay& ray) {
     return Solid(shape).intersect(ray);
 }
 

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "geometry/mesh.h"
+#include "geometry/ray.h"
 
 /// Solids of revolution with smooth surfaces known in closed form. Each can be cut into triangles at any
 /// fineness, with exact normals, and each can be met with a ray in double precision, so that a picture of the
@@ -19,12 +20,6 @@
 /// curve in the half plane (ρ ≥ 0, y), about the axis. All profiles are chains of circular arcs and of lines
 /// along ρ or y, tangent where they meet, so that every surface point has one normal.
 namespace quincunx {
-
-/// A half line: origin + t · direction, t ≥ 0. The direction need not have unit length, but not be zero.
-struct Ray {
-    glm::dvec3 origin{0};
-    glm::dvec3 direction{0, 0, -1};
-};
 
 /// Where a ray meets a surface.
 struct Hit {
@@ -120,7 +115,7 @@ class Solid {
     /// between ray and normal. (|origin| enters through t alone: three roundings of the dot product, four of
     /// the division by |direction|², one of the sum.) A ray that passes the surface at less than 64 ε D may
     /// count as meeting it; every exact tangent does.
-    std::optional<Hit> intersect(const Ray& ray) const;
+    std::optional<Hit> intersect(const DRay& ray) const;
 
     /// A piece of the profile, made ready.
     struct Part {
@@ -145,7 +140,7 @@ class Solid {
 };
 
 /// Solid(shape).intersect(ray).
-std::optional<Hit> intersect(const Shape& shape, const Ray& ray);
+std::optional<Hit> intersect(const Shape& shape, const DRay& ray);
 
 /// Triangles of the shape. `segments` (3 … 4096) is the number of steps around the axis; along the profile,
 /// steps are as long as the steps around are where the solid is widest, but each arc has at least one step

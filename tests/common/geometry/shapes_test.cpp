@@ -142,7 +142,7 @@ struct Residual {
     }
 };
 
-Residual residual(const Shape& shape, const Ray& ray, const Hit& hit, double size) {
+Residual residual(const Shape& shape, const DRay& ray, const Hit& hit, double size) {
     const auto exact = [](const dvec3& v) { return std::array<Exact, 3>{v.x, v.y, v.z}; };
     const auto o = exact(ray.origin);
     const auto d = exact(ray.direction);
@@ -186,8 +186,8 @@ TEST(ShapeIntersection, HitsLieOnTheSurfaceAndOnTheRay) {
         Residual worst;
         int hits = 0;
         for (int i = 0; i < 4000; ++i) {
-            const Ray ray{randomPoint(random, 2 * solid.size()),
-                          randomDirection(random) * std::exp2(random.uniform(-60, 60))};
+            const DRay ray{randomPoint(random, 2 * solid.size()),
+                           randomDirection(random) * std::exp2(random.uniform(-60, 60))};
             if (const std::optional<Hit> hit = solid.intersect(ray)) {
                 worst.take(residual(shape, ray, *hit, solid.size()));
                 EXPECT_GE(hit->t, 0);
@@ -210,7 +210,7 @@ TEST(ShapeIntersection, FarOriginsCostNoAccuracy) {
         for (int i = 0; i < 2000; ++i) {
             const dvec3 target = randomPoint(random, solid.size());
             const dvec3 away = randomDirection(random) * (1e6 * solid.size());
-            const Ray ray{target + away, -away};
+            const DRay ray{target + away, -away};
             if (const std::optional<Hit> hit = solid.intersect(ray)) {
                 worst.take(residual(shape, ray, *hit, solid.size()));
                 ++hits;
@@ -252,7 +252,7 @@ TEST(ShapeIntersection, TinyShapesAreMetAsWellAsLargeOnes) {
             Random random(17);
             Residual worst;
             for (int i = 0; i < 1000; ++i) {
-                const Ray ray{randomPoint(random, 2 * solid.size()), randomDirection(random)};
+                const DRay ray{randomPoint(random, 2 * solid.size()), randomDirection(random)};
                 if (const std::optional<Hit> hit = solid.intersect(ray))
                     worst.take(residual(shape, ray, *hit, solid.size()));
             }
@@ -263,7 +263,7 @@ TEST(ShapeIntersection, TinyShapesAreMetAsWellAsLargeOnes) {
 
 /// Walks along the ray by the signed distance, which never steps over the surface, and says how far the
 /// distance keeps its sign: to `t`, or for as long as the ray is near the solid.
-bool keepsItsSideUntil(const Shape& shape, const Ray& ray, double end, double size) {
+bool keepsItsSideUntil(const Shape& shape, const DRay& ray, double end, double size) {
     const double start = distanceFrom(shape, ray.origin);
     const double least = 1e-9 * size;
     for (double t = 0; t < end;) {
@@ -281,7 +281,7 @@ TEST(ShapeIntersection, FindsTheNearestHitAndMissesNone) {
         Random random(19);
         int inside = 0;
         for (int i = 0; i < 4000; ++i) {
-            const Ray ray{randomPoint(random, solid.size()), randomDirection(random)};
+            const DRay ray{randomPoint(random, solid.size()), randomDirection(random)};
             const bool startsInside = distanceFrom(shape, ray.origin) < 0;
             inside += startsInside;
             const std::optional<Hit> hit = solid.intersect(ray);
@@ -327,7 +327,7 @@ TEST(ShapeIntersection, NormalsAreTheGradientOfTheDistance) {
 
 TEST(ShapeIntersection, ExactTangentsHit) {
     // Whole numbers, so that the tangent is one exactly.
-    const auto expectAt = [](const Shape& shape, const Ray& ray, double t, const std::string& what) {
+    const auto expectAt = [](const Shape& shape, const DRay& ray, double t, const std::string& what) {
         const std::optional<Hit> hit = intersect(shape, ray);
         ASSERT_TRUE(hit) << what;
         // Near a tangent, t is no better than the square root of the accuracy: √(2 · 64 ε D · D).
