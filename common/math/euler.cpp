@@ -132,7 +132,7 @@ std::optional<EulerAngles> eulerFromQuaternion(glm::quat q, EulerOrder order) {
 }
 
 std::optional<EulerAngles> eulerFromMatrix(const glm::mat3& m, EulerOrder order) {
-    const std::optional<glm::dquat> q = nearestRotation(m);
+    const std::optional<glm::dquat> q = nearestQuaternion(m);
     return q ? std::optional(extract(*matrixFromQuaternion(*q), order)) : std::nullopt;
 }
 

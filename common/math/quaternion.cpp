@@ -277,7 +277,7 @@ glm::mat3 matrixFromQuaternionNaive(glm::quat q) {
         2 * (q.x * q.z + q.w * q.y),     2 * (q.y * q.z - q.w * q.x),     1 - 2 * (q.x * q.x + q.y * q.y)};
 }
 
-std::optional<glm::dquat> nearestRotation(const glm::mat3& m) {
+std::optional<glm::dquat> nearestQuaternion(const glm::mat3& m) {
     std::optional<glm::dquat> q;
     if (nearestOfNearly(m, [&](double w, double x, double y, double z) { q = glm::dquat(w, x, y, z); }))
         [[likely]]
@@ -285,7 +285,7 @@ std::optional<glm::dquat> nearestRotation(const glm::mat3& m) {
     return nearestOfAny(m);
 }
 
-std::optional<glm::dquat> nearestRotation(const glm::dmat3& m) {
+std::optional<glm::dquat> nearestQuaternion(const glm::dmat3& m) {
     std::optional<glm::dquat> q;
     if (nearestOfNearly(m, [&](double w, double x, double y, double z) { q = glm::dquat(w, x, y, z); }))
         [[likely]]

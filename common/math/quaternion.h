@@ -175,9 +175,9 @@ glm::mat3 matrixFromQuaternionNaive(glm::quat unitQ);
 /// eigenvector is found by Jacobi's method.
 std::optional<glm::quat> quaternionFromMatrix(const glm::mat3& m);
 /// The same, in double to the end: for what is computed further. The turn is right to 2^-30 + 2^-46 κ rad.
-std::optional<glm::dquat> nearestRotation(const glm::mat3& m);
+std::optional<glm::dquat> nearestQuaternion(const glm::mat3& m);
 /// None also where det m is not above 2^-44 of the largest entry's cube: rounding then hides its sign.
-std::optional<glm::dquat> nearestRotation(const glm::dmat3& m);
+std::optional<glm::dquat> nearestQuaternion(const glm::dmat3& m);
 
 /// w = √(1 + trace)/2, v from the differences over 4w.
 glm::quat quaternionFromMatrixNaive(const glm::mat3& rotation);

@@ -95,7 +95,8 @@ glm::mat3 matrixLerpGramSchmidtNaive(const glm::mat3& a, const glm::mat3& b, flo
 
 std::optional<glm::quat> matrixLerp(const glm::mat3& a, const glm::mat3& b, float t) {
     const double share = t;
-    const std::optional<glm::dquat> q = nearestRotation((1 - share) * glm::dmat3(a) + share * glm::dmat3(b));
+    const std::optional<glm::dquat> q =
+        nearestQuaternion((1 - share) * glm::dmat3(a) + share * glm::dmat3(b));
     return q ? std::optional(glm::quat(*q)) : std::nullopt;
 }
 

@@ -189,7 +189,8 @@ glm::mat3 matrixLerpGramSchmidtNaive(const glm::mat3& a, const glm::mat3& b, flo
 /// The rotation nearest to (1 − t) A + t B, mixed in double: the path of slerp, at the speed of a point of
 /// the chord in the plane of the turn, as nlerp with twice its angle. Between rotations of nearly 180° it
 /// stands still and then jumps. Exact to 1.2e-7 + 2^-46 κ rad, κ as for `quaternionFromMatrix`. None half-way
-/// between rotations 180° apart, where it has no answer, and as for `nearestRotation`. Held by MatrixLerp.*.
+/// between rotations 180° apart, where it has no answer, and as for `nearestQuaternion`. Held by
+/// MatrixLerp.*.
 std::optional<glm::quat> matrixLerp(const glm::mat3& a, const glm::mat3& b, float t);
 
 }  // namespace quincunx

@@ -433,9 +433,9 @@ TEST(QuaternionMatrix, HasNoAnswerForMirrorsLinesAndPoints) {
     EXPECT_FALSE(quaternionFromMatrix(glm::mat3(0)));
     EXPECT_FALSE(quaternionFromMatrix(glm::mat3(std::nanf(""))));
     EXPECT_FALSE(quaternionFromMatrix(glm::mat3(infinity)));
-    EXPECT_FALSE(nearestRotation(glm::dmat3(0)));
-    EXPECT_FALSE(nearestRotation(glm::dmat3(-1)));
-    EXPECT_FALSE(nearestRotation(glm::dmat3(std::nan(""))));
+    EXPECT_FALSE(nearestQuaternion(glm::dmat3(0)));
+    EXPECT_FALSE(nearestQuaternion(glm::dmat3(-1)));
+    EXPECT_FALSE(nearestQuaternion(glm::dmat3(std::nan(""))));
 }
 
 TEST(QuaternionDrift, MillionProductsStayOnTheSphere) {
