@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "gl/upload.h"
 #include "math/transform.h"
 #include "scene/import.h"
 
@@ -13,11 +14,9 @@ namespace quincunx {
 
 namespace {
 
-const glm::vec3 target(0.125f, 0.875f, -0.25f);     // what the camera turns about, before the offset
-const glm::vec3 probeOrigin(-4.25f, 2.25f, 2.75f);  // likewise
-const glm::vec3 probeAim(-1.75f, 1.25f, 0.25f);     // where the ray goes for angles of 0
-
-constexpr float composedFor = 1.6f;  // width over height
+const glm::vec3 target(0.25f, 0.75f, -0.25f);      // what the camera turns about, before the offset
+const glm::vec3 probeOrigin(-3.75f, 2.25f, 2.5f);  // likewise
+const glm::vec3 probeAim(-1.75f, 1.25f, 0.25f);    // where the ray goes for angles of 0
 
 float textSize(const Frame& frame) {
     return std::clamp(static_cast<float>(frame.height) / 30, 8.0f, 24.0f);
@@ -41,14 +40,16 @@ std::vector<Exhibit> IntersectionsLab::exhibits() const {
 }
 
 Lens IntersectionsLab::lens(const Frame& frame, double aspect) const {
-    return makeLens(fittedToAspect(frame.camera, static_cast<float>(aspect), composedFor), target, distance,
-                    place(), aspect);
+    const float whole = static_cast<float>(frame.width) / static_cast<float>(frame.height);
+    const Camera camera =
+        fittedToAspect(frame.camera, static_cast<float>(aspect), std::min(whole, composedAspect));
+    return makeLens(camera, target, distance, place(), aspect);
 }
 
 Camera IntersectionsLab::defaultCamera() const {
     Camera camera;
     camera.worldFromCamera = lookAt({-0.75f, 2.6f, 10.0f}, target, {0, 1, 0});
-    camera.fovYRadians = glm::radians(31.0f);
+    camera.fovYRadians = glm::radians(40.0f);
     camera.farDistance = 200;
     return camera;
 }
@@ -69,10 +70,10 @@ Ray IntersectionsLab::probeRay() const {
 }
 
 std::vector<IntersectionsLab::Panel> IntersectionsLab::panels(const Frame& frame) const {
-    if (view.as<View>() != View::beside)
+    if (view.as<View>() != View::beside || frame.width < 2)
         return {{0, frame.width, view.as<View>() == View::map}};
-    const int half = std::max(frame.width / 2, 1);
-    return {{0, half, false}, {half, std::max(frame.width - half, 1), true}};
+    const int half = frame.width / 2;
+    return {{0, half, false}, {half, frame.width - half, true}};
 }
 
 std::vector<double> IntersectionsLab::stateOf(const Frame& frame) const {
@@ -139,14 +140,9 @@ void IntersectionsLab::draw(graph::PassContext& context, const Frame& frame) {
         texture_.emplace("cast", GL_RGBA32F, frame.width, frame.height);
         uploaded_ = false;
     }
-    texture_->bind(unit);
     const std::vector<Panel> shown = panels(frame);
-    for (std::size_t i = 0; i < shown.size() && !uploaded_; ++i) {
-        const Image& image = casts_[i].color;
-        glTexSubImage2D(GL_TEXTURE_2D, 0, shown[i].left, 0,
-                        std::min(image.width, frame.width - shown[i].left), image.height, GL_RGBA, GL_FLOAT,
-                        image.data.data());
-    }
+    for (std::size_t i = 0; i < shown.size() && !uploaded_; ++i)
+        gl::upload(*texture_, shown[i].left, 0, casts_[i].color);
     uploaded_ = true;
 
     const gl::Program& program = context.programs().get({.label = "show cast",
@@ -154,6 +150,7 @@ void IntersectionsLab::draw(graph::PassContext& context, const Frame& frame) {
                                                          .fragment = "labs/22_intersections/show.frag"});
     program.use();
     program.set("rays", unit);
+    texture_->bind(unit);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_ALWAYS);
     context.drawFullscreen();

@@ -150,12 +150,14 @@ Seen look(const std::vector<Exhibit>& exhibits, const Ray& ray, const Approach& 
 
 Judged judge(const std::vector<Exhibit>& exhibits, const Ray& ray, const Approach& approach) {
     const Seen seen = look(exhibits, ray, approach);
+    const bool bounded = approach.method == Method::stable || approach.method == Method::exact;
     int exhibit = -1;
     Quad nearest = 0;
     for (std::size_t i = 0; i < exhibits.size(); ++i) {
         if (!mayMeet(exhibits[i], ray))
             continue;
-        const std::optional<Quad> t = meetExactly(exhibits[i], ray);
+        const std::optional<Quad> t =
+            bounded ? meetExactly(exhibits[i], ray) : std::optional<Quad>(meetDistance(exhibits[i], ray, {}));
         if (t && (exhibit < 0 || *t < nearest)) {
             exhibit = static_cast<int>(i);
             nearest = *t;
@@ -188,7 +190,7 @@ glm::vec3 colorOf(const Judged& judged) {
     }
     // From dark olive at one ulp to bright yellow at 2^16 of them.
     const float share = static_cast<float>(std::clamp(std::log2(judged.ulps) / 16, 0.0, 1.0));
-    return glm::mix(glm::vec3(0.05f, 0.10f, 0.02f), glm::vec3(1.0f, 0.85f, 0.05f), share);
+    return glm::mix(glm::vec3(0.05f, 0.10f, 0.02f), glm::vec3(1.0f, 0.85f, 0.05f), share * share);
 }
 
 Cast castScene(const std::vector<Exhibit>& exhibits, const Lens& lens, const glm::dmat4& clipFromWorld,

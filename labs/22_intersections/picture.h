@@ -47,7 +47,9 @@ struct Seen {
     RayHit hit;
 };
 Seen look(const std::vector<Exhibit>& exhibits, const Ray& ray, const Approach& approach);
-/// An answer against exact arithmetic on the same ray; t is wrong from an error of 0.51 ulp.
+/// An answer against that of exact arithmetic on the same ray; t is wrong from an error of 0.51 ulp. The
+/// forms without a bound are judged by those with one, which decide exactly and whose t is within 0.004 ulp;
+/// these, by exact arithmetic itself.
 Judged judge(const std::vector<Exhibit>& exhibits, const Ray& ray, const Approach& approach);
 
 struct Cast {

@@ -133,7 +133,7 @@ TEST_P(Intersections22, MapIsEmptyForBoundedAndExactFormsAndFillsWithDistanceFor
     lab_.method.parse("naive");
     lab_.shape.parse("sphere");
     std::uint64_t last = 0;
-    for (const float distance : {4.0f, 64.0f, 1024.0f}) {
+    for (const float distance : {64.0f, 512.0f, 4096.0f}) {
         lab_.distance.set(distance);
         studio_.linearPicture(lab_, frame(small));
         const auto counters = lab_.counters();
@@ -263,6 +263,16 @@ TEST(Intersections22Routines, HitsHaveUnitNormalsTowardsTheRay) {
                 }
     }
     EXPECT_GT(hits, 1000);
+}
+
+TEST(Intersections22Pictures, AreThoseOfTheRepository) {
+    IntersectionsLab lab;
+    Studio studio(gl::Backend::osmesa);
+    test::expectGolden(studio.picture(lab, studio.frame(lab, 320, 140)), "22_intersections", "beside");
+    lab.view.parse("scene");
+    lab.method.parse("stable");
+    lab.distance.set(1);
+    test::expectGolden(studio.picture(lab, studio.frame(lab, 240, 150)), "22_intersections", "scene");
 }
 
 TEST(Intersections22Answers, AllHold) {
