@@ -31,7 +31,7 @@ fs::path assetRoot() {
 }
 
 fs::path asset(std::string_view relative) {
-    const fs::path file = assetRoot() / relative;
+    fs::path file = assetRoot() / relative;
     std::error_code error;
     if (!fs::exists(file, error))
         throw EnvironmentError("no such file", file.string(),

@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "geometry/predicates.h"
+#include "geometry/ray_triangle_filter.h"
 #include "math/exact.h"
 #include "math/expansion.h"
 #include "math/vector.h"
@@ -66,9 +67,20 @@ class OneSided {
     bool right_ = false;
 };
 
-/// (x, y, z, w) of four points or directions.
-double columns(glm::vec3 a, float aw, glm::vec3 b, float bw, glm::vec3 c, float cw, glm::vec3 d, float dw) {
-    return determinant(glm::mat4(glm::vec4(a, aw), glm::vec4(b, bw), glm::vec4(c, cw), glm::vec4(d, dw)));
+/// det [a, b, to − from] to 2^-52.
+double tripleProduct(glm::vec3 a, glm::vec3 b, glm::vec3 to, glm::vec3 from) {
+    return determinant(glm::mat4(glm::vec4(a, 0), glm::vec4(b, 0), glm::vec4(to, 1), glm::vec4(from, 1)));
+}
+
+/// To a relative 2^-37, so that quotients of two are within 2^-36.
+bool isPrecise(const detail::Estimate& estimate) {
+    return estimate.error < 0x1p-37 * std::abs(estimate.value);
+}
+
+/// `sideOfLineValue` to a relative 2^-37.
+double preciseSide(glm::vec3 origin, glm::vec3 direction, glm::vec3 a, glm::vec3 b) {
+    const detail::Estimate estimate = detail::sideOfLineEstimate(origin, direction, a, b);
+    return isPrecise(estimate) ? estimate.value : detail::sideOfLineValue(origin, direction, a, b);
 }
 
 /// The ray as a point, looked at along itself, with two axes across it.
@@ -128,11 +140,6 @@ PointLocation locateRay(const Ray& ray, std::span<const glm::vec3> polygon) {
     return inside ? PointLocation::inside : PointLocation::outside;
 }
 
-/// d · ((b − a) × (c − a)), exactly, to 2^-52.
-double slope(glm::vec3 direction, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
-    return columns(direction, 0, b, 1, c, 1, a, 1);
-}
-
 }  // namespace
 
 PointLocation locate(glm::vec2 point, std::span<const glm::vec2> polygon) {
@@ -179,19 +186,31 @@ PointLocation locateByTriangleFan(glm::vec2 point, std::span<const glm::vec2> po
 }
 
 PointLocation locateInConvex(glm::vec2 point, std::span<const glm::vec2> polygon) {
+    if (polygon.empty())
+        return PointLocation::outside;
     bool left = false;
     bool right = false;
     bool on = false;
-    const bool oneSided = forEachEdge(polygon, [&](glm::vec2 a, glm::vec2 b) {
-        if (a == b)
-            return true;
-        const int side = orientation(a, b, point);
-        left |= side > 0;
-        right |= side < 0;
-        on |= side == 0;
-        return !(left && right);
-    });
-    if (!oneSided || left == right)
+    const glm::dvec2 origin(point);
+    glm::dvec2 a = glm::dvec2(polygon.back()) - origin;
+    for (std::size_t i = 0, last = polygon.size() - 1; i < polygon.size(); last = i++) {
+        const glm::dvec2 b = glm::dvec2(polygon[i]) - origin;
+        // As `orientation` does.
+        const double there = a.x * b.y;
+        const double back = a.y * b.x;
+        a = b;
+        if (std::abs(there - back) > 0x1.8000000000008p-52 * (std::abs(there) + std::abs(back))) [[likely]] {
+            (there > back ? left : right) = true;
+        } else if (polygon[last] != polygon[i]) {
+            const int side = detail::exactOrientation(polygon[last], polygon[i], point);
+            left |= side > 0;
+            right |= side < 0;
+            on |= side == 0;
+        }
+        if (left && right)
+            return PointLocation::outside;
+    }
+    if (left == right)
         return PointLocation::outside;
     return on ? PointLocation::boundary : PointLocation::inside;
 }
@@ -301,15 +320,24 @@ std::optional<PolygonHit> intersectPolygon(const Ray& ray, std::span<const glm::
     if (location == PointLocation::outside)
         return std::nullopt;
 
+    // The largest by double arithmetic; should it be none, any that is one.
     const glm::vec3 a = polygon[0];
     std::size_t largest = 2;
-    double facing = 0;
+    double size = -1;
+    const glm::dvec3 along(ray.direction);
+    const glm::dvec3 first(a);
     for (std::size_t i = 2; i < polygon.size(); ++i) {
-        const double size = slope(ray.direction, a, polygon[i - 1], polygon[i]);
-        if (std::abs(size) > std::abs(facing)) {
-            facing = size;
+        const double next = std::abs(
+            glm::dot(along, glm::cross(glm::dvec3(polygon[i - 1]) - first, glm::dvec3(polygon[i]) - first)));
+        if (next > size) {
+            size = next;
             largest = i;
         }
+    }
+    double facing = preciseSide(a, ray.direction, polygon[largest - 1], polygon[largest]);
+    for (std::size_t i = 2; facing == 0 && i < polygon.size(); ++i) {
+        facing = preciseSide(a, ray.direction, polygon[i - 1], polygon[i]);
+        largest = i;
     }
     if (facing == 0)
         return std::nullopt;
@@ -318,13 +346,13 @@ std::optional<PolygonHit> intersectPolygon(const Ray& ray, std::span<const glm::
     const glm::vec3 o = ray.origin;
     const glm::vec3 d = ray.direction;
     PolygonHit hit;
-    hit.t = columns(a, 1, b, 1, c, 1, o, 1) / facing;
+    const detail::Estimate height = detail::orientationEstimate(a, b, c, o);
+    hit.t = -(isPrecise(height) ? height.value : detail::orientationValue(a, b, c, o)) / facing;
     if (hit.t < 0)
         return std::nullopt;
-    const double alongB = columns(d, 0, c, 1, a, 1, o, 1) / facing;
-    const double alongC = columns(d, 0, a, 1, b, 1, o, 1) / facing;
-    const glm::dvec3 origin(a);
-    hit.point = glm::vec3(origin + alongB * (glm::dvec3(b) - origin) + alongC * (glm::dvec3(c) - origin));
+    const double alongB = preciseSide(o, d, c, a) / facing;
+    const double alongC = preciseSide(o, d, a, b) / facing;
+    hit.point = glm::vec3(first + alongB * (glm::dvec3(b) - first) + alongC * (glm::dvec3(c) - first));
     hit.boundary = location == PointLocation::boundary;
     hit.front = facing < 0;
     return hit;
@@ -356,7 +384,9 @@ std::optional<PolygonHit> intersectPolygonNaive(const Ray& ray, std::span<const 
     return PolygonHit{.t = t, .point = point, .boundary = false, .front = facing < 0};
 }
 
-std::optional<ParallelogramHit> intersectParallelogram(const Ray& ray, const Parallelogram& quad) {
+namespace {
+
+std::optional<ParallelogramHit> intersectParallelogramExactly(const Ray& ray, const Parallelogram& quad) {
     const glm::vec3 o = ray.origin;
     const glm::vec3 d = ray.direction;
     const auto [corner, u, v] = quad;
@@ -370,13 +400,13 @@ std::optional<ParallelogramHit> intersectParallelogram(const Ray& ray, const Par
         return facing > 0 ? coordinate >= 0 && coordinate <= facing * (1 + 0x1p-50)
                           : coordinate <= 0 && coordinate >= facing * (1 + 0x1p-50);
     };
-    const double alongU = columns(v, 0, d, 0, o, 1, corner, 1);
+    const double alongU = tripleProduct(v, d, o, corner);
     if (!within(alongU))
         return std::nullopt;
-    const double alongV = columns(d, 0, u, 0, o, 1, corner, 1);
+    const double alongV = tripleProduct(d, u, o, corner);
     if (!within(alongV))
         return std::nullopt;
-    const double along = -columns(u, 0, v, 0, o, 1, corner, 1);
+    const double along = -tripleProduct(u, v, o, corner);
     if (along != 0 && (along > 0) != (facing > 0))
         return std::nullopt;
 
@@ -399,6 +429,36 @@ std::optional<ParallelogramHit> intersectParallelogram(const Ray& ray, const Par
     return ParallelogramHit{.t = along / facing,
                             .ab = glm::min(glm::vec2(glm::dvec2(alongU, alongV) / facing), glm::vec2(1)),
                             .front = facing < 0};
+}
+
+}  // namespace
+
+std::optional<ParallelogramHit> intersectParallelogram(const Ray& ray, const Parallelogram& quad) {
+    // The numbers of a triangle with the sides u and v, in double, with the bound of ray_triangle_filter.h,
+    // which also covers det − a and det − b.
+    using Components = detail::Components<double>;
+    const Components s{static_cast<double>(ray.origin.x) - quad.corner.x,
+                       static_cast<double>(ray.origin.y) - quad.corner.y,
+                       static_cast<double>(ray.origin.z) - quad.corner.z};
+    const Components d{ray.direction.x, ray.direction.y, ray.direction.z};
+    const Components u{quad.u.x, quad.u.y, quad.u.z};
+    const Components v{quad.v.x, quad.v.y, quad.v.z};
+    const detail::Products<double> f = detail::productsOf(s, d, u, v);
+    const double e = detail::larger(detail::largestSize(u), detail::largestSize(v));
+    const double far = detail::sumOfSizes(s) + 4 * e;
+    const double bound = 0x1p-48 * far * (detail::sumOfSizes(d) * e);
+    const auto [least, most] = std::minmax({f.u, f.v, f.det - f.u, f.det - f.v});
+    if (least < -bound && most > bound)
+        return std::nullopt;
+    const bool settled = (least > bound || most < -bound) && bound < 0x1p-33 * std::abs(f.det) &&
+                         0x1.01p-47 * far * (e * e) < 0x1.fp-35 * std::abs(f.t);
+    if (!settled) [[unlikely]]
+        return intersectParallelogramExactly(ray, quad);
+    const double inverse = 1 / f.det;
+    const double t = f.t * inverse;
+    if (t < 0)
+        return std::nullopt;
+    return ParallelogramHit{.t = t, .ab = glm::vec2(f.u * inverse, f.v * inverse), .front = f.det > 0};
 }
 
 std::optional<ParallelogramHit> intersectParallelogramNaive(const Ray& ray, const Parallelogram& quad) {

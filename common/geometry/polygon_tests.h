@@ -84,7 +84,7 @@ struct PolygonHit {
 /// that is the same as projecting hit and corners along a coordinate axis. So polygons that share edges leave
 /// no gap between them, flat or not. t and point lie on the plane of corner 0 with that edge whose triangle
 /// looks largest from the ray (for a flat polygon, its plane), and `front` is of that triangle. t has a
-/// relative error of at most 2^-50; the point's components are within 0.501 ulp plus 2^-48 (|x| + |y|), x and
+/// relative error of at most 2^-35; the point's components are within 0.501 ulp plus 2^-35 (|x| + |y|), x and
 /// y being the parts of point − corner 0 along that triangle's two sides. None for fewer than three corners,
 /// for polygons that the ray sees edge-on (which lie in a plane with it), for the direction zero, and if
 /// something is not finite. Held by RayPolygon.*.

@@ -1,24 +1,40 @@
 #include "geometry/predicates.h"
 
+#include <array>
+#include <cstddef>
+
 #include "math/exact.h"
 #include "math/exact_sum.h"
 
 namespace quincunx {
 namespace {
 
-/// Rows (x, y, z, w) of four points or directions as a matrix's columns.
-glm::mat4 columns(glm::vec3 a, float aw, glm::vec3 b, glm::vec3 c, glm::vec3 d) {
-    return {glm::vec4(a, aw), glm::vec4(b, 1), glm::vec4(c, 1), glm::vec4(d, 1)};
+/// det [a − w d, b − d, c − d] for w = 0 or 1, from the four in homogeneous coordinates, whose determinant is
+/// that of floats. Where the differences are floats, too, as on grids, three rows do at a quarter of the
+/// time.
+double determinantFrom(glm::vec3 d, glm::vec3 a, float w, glm::vec3 b, glm::vec3 c) {
+    const std::array<glm::vec3, 3> columns = {a, b, c};
+    const std::array<float, 3> weights = {w, 1, 1};
+    glm::mat3 translated;
+    bool exact = true;
+    for (int column = 0; column < 3; ++column) {
+        for (int row = 0; row < 3; ++row) {
+            const auto index = static_cast<std::size_t>(column);
+            const double from = static_cast<double>(weights[index]) * d[row];
+            const double to = columns[index][row];
+            const double difference = to - from;
+            const double back = difference - to;
+            const double lost = (to - (difference - back)) - (from + back);  // Knuth
+            translated[column][row] = static_cast<float>(difference);
+            exact &= lost == 0 && static_cast<double>(translated[column][row]) == difference;
+        }
+    }
+    if (exact)
+        return determinant(translated);
+    return determinant(glm::mat4(glm::vec4(a, w), glm::vec4(b, 1), glm::vec4(c, 1), glm::vec4(d, 1)));
 }
 
-/// A determinant in double with a bound of its error.
-struct Estimate {
-    double value = 0;
-    double error = 0;
-
-    /// False too if something overflowed.
-    bool decided() const { return std::abs(value) > error; }
-};
+using detail::Estimate;
 
 /// a · (b × c) for vectors whose components are off by at most u = 2^-53, relative, in two of the three:
 /// eight roundings a summand (Shewchuk 1997, section 4.3: 7 u + 56 u² for three).
@@ -35,7 +51,17 @@ Estimate tripleProduct(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
     return {a.x * (yz - zy) + a.y * (zx - xz) + a.z * (xy - yx), 0x1.001p-50 * permanent};
 }
 
-/// Adds det [a b c], each column times `sign`.
+Estimate estimateOrientation(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) {
+    const glm::dvec3 origin(d);
+    return tripleProduct(glm::dvec3(c) - origin, glm::dvec3(b) - origin, glm::dvec3(a) - origin);
+}
+
+Estimate estimateSide(glm::vec3 origin, glm::vec3 direction, glm::vec3 a, glm::vec3 b) {
+    const glm::dvec3 o(origin);
+    return tripleProduct(glm::dvec3(direction), glm::dvec3(a) - o, glm::dvec3(b) - o);
+}
+
+/// Adds det [a b c], or subtracts it.
 void addDeterminant(ExactSum& sum, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, bool negative) {
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
@@ -69,8 +95,16 @@ int exactOrientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
     return sum.sign();
 }
 
-int exactOrientation(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) {
-    return signOf(determinant(columns(d, 1, b, c, a)));
+Estimate orientationEstimate(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) {
+    return estimateOrientation(a, b, c, d);
+}
+
+Estimate sideOfLineEstimate(glm::vec3 origin, glm::vec3 direction, glm::vec3 a, glm::vec3 b) {
+    return estimateSide(origin, direction, a, b);
+}
+
+double orientationValue(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) {
+    return determinantFrom(a, d, 1, b, c);
 }
 
 int exactOrientation(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 d) {
@@ -82,8 +116,8 @@ int exactOrientation(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 d) {
     return sum.sign();
 }
 
-int exactSideOfLine(glm::vec3 origin, glm::vec3 direction, glm::vec3 a, glm::vec3 b) {
-    return signOf(determinant(columns(direction, 0, a, b, origin)));
+double sideOfLineValue(glm::vec3 origin, glm::vec3 direction, glm::vec3 a, glm::vec3 b) {
+    return determinantFrom(origin, direction, 0, a, b);
 }
 
 }  // namespace detail
@@ -112,10 +146,8 @@ double orientationNaive(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
 }
 
 int orientation(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) {
-    const glm::dvec3 origin(d);
-    const Estimate estimate =
-        tripleProduct(glm::dvec3(c) - origin, glm::dvec3(b) - origin, glm::dvec3(a) - origin);
-    return estimate.decided() ? detail::signOf(estimate.value) : detail::exactOrientation(a, b, c, d);
+    const Estimate estimate = estimateOrientation(a, b, c, d);
+    return detail::signOf(estimate.decided() ? estimate.value : detail::orientationValue(a, b, c, d));
 }
 
 int orientation(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 d) {
@@ -137,10 +169,9 @@ double orientationNaive(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 d) 
 }
 
 int sideOfLine(glm::vec3 origin, glm::vec3 direction, glm::vec3 a, glm::vec3 b) {
-    const glm::dvec3 o(origin);
-    const Estimate estimate = tripleProduct(glm::dvec3(direction), glm::dvec3(a) - o, glm::dvec3(b) - o);
-    return estimate.decided() ? detail::signOf(estimate.value)
-                              : detail::exactSideOfLine(origin, direction, a, b);
+    const Estimate estimate = estimateSide(origin, direction, a, b);
+    return detail::signOf(estimate.decided() ? estimate.value
+                                             : detail::sideOfLineValue(origin, direction, a, b));
 }
 
 float sideOfLineNaive(glm::vec3 origin, glm::vec3 direction, glm::vec3 a, glm::vec3 b) {
@@ -150,10 +181,9 @@ float sideOfLineNaive(glm::vec3 origin, glm::vec3 direction, glm::vec3 a, glm::v
 }
 
 Facing facingAlong(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 viewDirection) {
-    const glm::dvec3 o(a);
-    const Estimate estimate = tripleProduct(glm::dvec3(viewDirection), glm::dvec3(b) - o, glm::dvec3(c) - o);
-    return static_cast<Facing>(-(estimate.decided() ? detail::signOf(estimate.value)
-                                                    : detail::exactSideOfLine(a, viewDirection, b, c)));
+    const Estimate estimate = estimateSide(a, viewDirection, b, c);
+    return static_cast<Facing>(-detail::signOf(
+        estimate.decided() ? estimate.value : detail::sideOfLineValue(a, viewDirection, b, c)));
 }
 
 Facing facingNaive(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 eye) {

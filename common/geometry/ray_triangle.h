@@ -65,6 +65,8 @@ class ShearedRay {
     const Ray& ray() const { return ray_; }
 
   private:
+    /// An edge function that is off by `error`, with the exact sign.
+    double withExactSign(double side, double error, glm::vec3 a, glm::vec3 b) const;
     std::optional<TriangleHit> intersectExactly(const Triangle& triangle, Sides sides,
                                                 RayInterval interval) const;
 

@@ -18,8 +18,13 @@ constexpr std::uint64_t idleFrames = 8;
 class RunningPass final : public graph::PassContext {
   public:
     RunningPass(const graph::PassDescription& pass, const std::vector<const Texture2D*>& textures,
-                ProgramCache& programs, const VertexArray& noAttributes)
-        : pass_(pass), textures_(textures), programs_(programs), noAttributes_(noAttributes) {}
+                ProgramCache& programs, std::map<Sampler::Params, Sampler>& samplers,
+                const VertexArray& noAttributes)
+        : pass_(pass),
+          textures_(textures),
+          programs_(programs),
+          samplers_(samplers),
+          noAttributes_(noAttributes) {}
 
     const Texture2D& texture(graph::Resource resource) const override {
         const auto in = [&](const std::vector<graph::Resource>& list) {
@@ -31,6 +36,12 @@ class RunningPass final : public graph::PassContext {
 
     ProgramCache& programs() override { return programs_; }
 
+    const Sampler& sampler(const Sampler::Params& params) override {
+        const auto known = samplers_.find(params);
+        return known != samplers_.end() ? known->second
+                                        : samplers_.emplace(params, Sampler("sampler", params)).first->second;
+    }
+
     void drawFullscreen() override {
         noAttributes_.bind();
         glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -40,6 +51,7 @@ class RunningPass final : public graph::PassContext {
     const graph::PassDescription& pass_;
     const std::vector<const Texture2D*>& textures_;
     ProgramCache& programs_;
+    std::map<Sampler::Params, Sampler>& samplers_;
     const VertexArray& noAttributes_;
 };
 
@@ -80,7 +92,7 @@ GLenum internalFormat(graph::Format format) {
         case graph::Format::depth24Stencil8:
             return GL_DEPTH24_STENCIL8;
     }
-    QX_CHECK(!"a format of graph::Format");
+    QX_CHECK(false && "a format of graph::Format");
     return GL_NONE;
 }
 
@@ -102,7 +114,7 @@ void Executor::run(const graph::FrameGraph& graph) {
     glEnable(GL_FRAMEBUFFER_SRGB);
     for (const graph::Pass handle : plan.order) {
         const graph::PassDescription& pass = graph.pass(handle);
-        RunningPass context(pass, byResource_, programs_, noAttributes_);
+        RunningPass context(pass, byResource_, programs_, samplers_, noAttributes_);
         try {
             framebufferFor(graph, pass).bind();
             if (!pass.execute)

@@ -21,6 +21,8 @@ class PassContext {
     virtual const gl::Texture2D& texture(Resource resource) const = 0;
     /// Programs shared by all passes and frames.
     virtual gl::ProgramCache& programs() = 0;
+    /// Samplers, the same.
+    virtual const gl::Sampler& sampler(const gl::Sampler::Params& params) = 0;
     /// One triangle over the whole target, for programs with passes/fullscreen.vert. Leaves an empty vertex
     /// array bound.
     virtual void drawFullscreen() = 0;
@@ -66,6 +68,7 @@ class Executor {
     std::vector<const Texture2D*> byResource_;                 ///< null where the last run had no use for one
     std::vector<bool> isOutput_;
     ProgramCache programs_;
+    std::map<Sampler::Params, Sampler> samplers_;
     VertexArray noAttributes_{"no attributes"};
 };
 

@@ -146,6 +146,7 @@ class Sampler {
         GLenum magnification = GL_NEAREST;
         GLenum wrap = GL_CLAMP_TO_EDGE;
         bool compare = false;  ///< depth textures: the share of texels that a reference is not beyond (≤)
+        auto operator<=>(const Params&) const = default;
     };
     Sampler() = default;
     Sampler(std::string_view label, const Params& params);

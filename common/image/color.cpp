@@ -21,6 +21,7 @@ float clampToUnit(float value) {
 }
 
 std::uint8_t roundToCode(float value) {
+    // Not negative, so that cutting off rounds. NOLINTNEXTLINE(bugprone-incorrect-roundings)
     return static_cast<std::uint8_t>(255 * static_cast<double>(clampToUnit(value)) + 0.5);
 }
 

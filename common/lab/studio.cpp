@@ -1,6 +1,7 @@
 #include "lab/studio.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/check.h"
 #include "base/interrupt.h"
@@ -78,7 +79,7 @@ Studio::Timing Studio::time(Lab& lab, const Frame& frame, int repeats, int warmU
     }
     std::sort(seconds.begin(), seconds.end());
     const auto quantile = [&](double q) {
-        return seconds[static_cast<std::size_t>(q * static_cast<double>(seconds.size() - 1) + 0.5)];
+        return seconds[static_cast<std::size_t>(std::lround(q * static_cast<double>(seconds.size() - 1)))];
     };
     return {quantile(0.5), quantile(0.75) - quantile(0.25)};
 }

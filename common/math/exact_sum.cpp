@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstddef>
 
 #include "base/check.h"
 
@@ -23,45 +24,51 @@ void ExactSum::subtract(std::initializer_list<double> factors) {
 void ExactSum::accumulate(std::initializer_list<double> factors, bool negative) {
     // The product as an odd integer of up to three words times a power of two.
     std::array<std::uint64_t, 4> product{1, 0, 0, 0};
+    std::size_t size = 1;
     int exponent = 0;
     for (const double factor : factors) {
-        QX_CHECK(std::isfinite(factor));
         if (factor == 0)
             return;
-        negative ^= factor < 0;
-        int factorExponent = 0;
-        auto integer =
-            static_cast<std::uint64_t>(std::scalbn(std::frexp(std::abs(factor), &factorExponent), 53));
+        const auto bits = std::bit_cast<std::uint64_t>(factor);
+        const int biased = static_cast<int>(bits >> 52 & 0x7ff);
+        QX_CHECK(biased != 0x7ff);
+        negative ^= bits >> 63 != 0;
+        std::uint64_t integer = bits & 0xfffffffffffffu;
+        integer |= static_cast<std::uint64_t>(biased != 0 ? 1 : 0) << 52;
         const int zeros = std::countr_zero(integer);
         integer >>= zeros;
-        exponent += factorExponent - 53 + zeros;
+        exponent += (biased != 0 ? biased : 1) - 1075 + zeros;
         std::uint64_t carry = 0;
-        for (std::uint64_t& word : product) {
-            const Wide next = static_cast<Wide>(word) * integer + carry;
-            word = static_cast<std::uint64_t>(next);
+        for (std::size_t i = 0; i < size; ++i) {
+            const Wide next = static_cast<Wide>(product[i]) * integer + carry;
+            product[i] = static_cast<std::uint64_t>(next);
             carry = static_cast<std::uint64_t>(next >> 64);
         }
-        QX_CHECK(product[3] == 0 && carry == 0);
+        if (carry != 0) {
+            QX_CHECK(size < 3);
+            product[size++] = carry;
+        }
     }
 
     const int position = exponent - lowestExponent;
     QX_CHECK(position >= 0 && static_cast<std::size_t>(position) / 64 + product.size() <= wordCount);
-    const auto first = static_cast<std::size_t>(position) / 64;
     const int shift = position % 64;
+    std::size_t index = static_cast<std::size_t>(position) / 64;
     std::uint64_t above = 0;
     std::uint64_t carry = 0;  // or borrow
-    for (std::size_t i = 0; first + i < wordCount; ++i) {
-        if (i >= product.size() && carry == 0)
-            break;
-        const std::uint64_t word = i < product.size() ? product[i] : 0;
-        const std::uint64_t shifted = word << shift | above;
-        above = shift == 0 ? 0 : word >> (64 - shift);
-        std::uint64_t& sum = words_[first + i];
+    const auto addWord = [&](std::uint64_t word) {
+        std::uint64_t& sum = words_[index++];
         const Wide next =
-            negative ? static_cast<Wide>(sum) - shifted - carry : static_cast<Wide>(sum) + shifted + carry;
+            negative ? static_cast<Wide>(sum) - word - carry : static_cast<Wide>(sum) + word + carry;
         sum = static_cast<std::uint64_t>(next);
         carry = static_cast<std::uint64_t>(next >> 64) & 1;
+    };
+    for (std::size_t i = 0; i <= size; ++i) {
+        addWord(product[i] << shift | above);
+        above = shift == 0 ? 0 : product[i] >> (64 - shift);
     }
+    while (carry != 0 && index < wordCount)
+        addWord(0);
 }
 
 int ExactSum::sign() const {

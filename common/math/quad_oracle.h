@@ -11,7 +11,7 @@ namespace quincunx {
 #if LDBL_MANT_DIG == 113
 using Quad = long double;
 #else
-__extension__ typedef __float128 Quad;
+__extension__ typedef __float128 Quad;  // NOLINT(modernize-use-using): __extension__ takes no using
 #endif
 
 /// √x for x ≥ 0, within 3 units of 2^-113, relative. x = 0 or in the range of normal doubles, squares of

@@ -100,6 +100,11 @@ void ForwardScene::draw(graph::PassContext& context, const ForwardView& view,
     drawForward(context, *buffers_, params);
 }
 
+void ForwardScene::bindFrame(const ForwardView& view) {
+    update(view.clipFromWorld, view.eyeWorld);
+    buffers_->bindFrame();
+}
+
 void ForwardScene::drawDepth(graph::PassContext& context, const glm::mat4& clipFromWorld, bool backFaces) {
     const ForwardParams params = update(clipFromWorld, glm::vec3(0));
     buffers_->bindVertices();

@@ -46,6 +46,9 @@ class ForwardScene {
     void draw(graph::PassContext& context, const ForwardView& view,
               const gl::ProgramFiles& program = phongProgram());
 
+    /// Lets programs read the camera, lights and background (FrameBlock), for backgrounds of one's own.
+    void bindFrame(const ForwardView& view);
+
     /// Positions alone, into the bound depth target's viewport, as a light sees them. `backFaces`: the far
     /// sides of solids instead of the near ones; what is double-sided or cut out is drawn from both.
     void drawDepth(graph::PassContext& context, const glm::mat4& clipFromWorld, bool backFaces);

@@ -283,16 +283,14 @@ void ShadowMap::drawShadowed(graph::PassContext& context, ForwardScene& scene, c
     const auto bytes = std::as_bytes(std::span(&block, 1));
     if (!block_) {
         block_.emplace("shadow block", GL_UNIFORM_BUFFER, bytes, GL_DYNAMIC_DRAW);
-        nearest_.emplace("shadow map, nearest", gl::Sampler::Params{.compare = true});
-        bilinear_.emplace(
-            "shadow map, bilinear",
-            gl::Sampler::Params{.minification = GL_LINEAR, .magnification = GL_LINEAR, .compare = true});
     } else {
         block_->upload(bytes);
     }
     block_->bindUniform(shadowBinding, 0, sizeof(ShadowBlock));
     lookup.map.bind(shadowUnit);
-    const gl::Sampler::Use sampler(params.bilinear ? *bilinear_ : *nearest_, shadowUnit);
+    const GLenum filter = params.bilinear ? GL_LINEAR : GL_NEAREST;
+    const gl::Sampler::Use sampler(
+        context.sampler({.minification = filter, .magnification = filter, .compare = true}), shadowUnit);
 
     gl::ProgramFiles files{.label = "phong shadowed",
                            .vertex = "passes/phong.vert",

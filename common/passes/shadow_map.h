@@ -82,8 +82,6 @@ class ShadowMap {
 
   private:
     std::optional<gl::Buffer> block_;
-    std::optional<gl::Sampler> nearest_;
-    std::optional<gl::Sampler> bilinear_;
 };
 
 }  // namespace quincunx

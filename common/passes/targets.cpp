@@ -21,7 +21,7 @@ PictureTargets addPictureTargets(graph::FrameGraph& graph, const PictureParams& 
                          fmt::format("give --supersample=1, or a size of at most {}", maxSide / factor));
     PictureTargets targets;
     targets.factor = factor;
-    targets.picture = graph.addResource({"picture", params.format, params.width, params.height});
+    targets.picture = graph.addResource({params.name, params.format, params.width, params.height});
     // Measured pictures keep all bits on the way; for people, half floats hold more than 8 bits can show.
     const graph::Format fine =
         params.format == graph::Format::rgba32f ? graph::Format::rgba32f : graph::Format::rgba16f;

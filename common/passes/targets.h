@@ -17,10 +17,11 @@ struct PictureParams {
     int width = 0;                                    ///< pixels
     int height = 0;                                   ///< pixels
     int factor = 1;
+    const char* name = "picture";
 };
 
-/// Adds "picture", "shaded" (for factors above 1) and "depth". A target that no driver can hold is an
-/// InputError about the flag `--supersample`.
+/// Adds "picture" or what else it is named, "shaded" (for factors above 1) and "depth". A target that no
+/// driver can hold is an InputError about the flag `--supersample`.
 PictureTargets addPictureTargets(graph::FrameGraph& graph, const PictureParams& params);
 
 /// Adds the pass that averages `color` into `picture`; for factor 1 there is nothing to add.

@@ -65,7 +65,7 @@ std::vector<Measurement> measureHalfVector() {
     }
     return {{"difference of the cosines to wi and wo, worst", worst, "", atMost(3e-7)},
             {"opposite pairs told to have none", static_cast<double>(unanswered), "pairs",
-             equals(static_cast<double>(directionCount / 2))},
+             equals(0.5 * static_cast<double>(directionCount))},
             {"of these, not finite by the card's formula", static_cast<double>(naiveNotFinite), "pairs", {}}};
 }
 

@@ -292,7 +292,8 @@ std::vector<Exhibit> makeExhibits(glm::vec3 place) {
          0.15f,
          around(at(0.4375f, 0.6875f, -1.5625f), 1.5f)},
         {"triangle",
-         Tetrahedron{{at(0.75f, 1.25f, 1.125f), at(0.625f, 0, 2), at(1.75f, 0, 0.875f), at(-0.25f, 0, 0.75f)}},
+         Tetrahedron{
+             {at(0.75f, 1.25f, 1.125f), at(0.625f, 0, 2), at(1.75f, 0, 0.875f), at(-0.25f, 0, 0.75f)}},
          {0.16f, 0.36f, 0.10f},
          0.2f,
          around(at(0.75f, 0.5f, 1.125f), 1.6f)},

@@ -50,7 +50,7 @@ class IntersectionsLab final : public Lab {
                            7,
                            "How the naive method meets triangles"};
     FloatKnob distance{knobs(), "distance",
-                       64,      {1, 4096, true},
+                       128,     {1, 4096, true},
                        "times", "Moves the camera back, and narrows it as much: the same picture from afar"};
     IntKnob offset{knobs(),     "offset", 0,
                    {0, 131072}, "units",  "Moves shapes and camera away from the world's origin"};

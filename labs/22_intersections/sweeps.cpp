@@ -30,8 +30,7 @@ Sweep arithmeticSweep(IntersectionsLab& lab, const std::string& shape, const std
     sweep.name = "arithmetic-" + shape;
     sweep.title = title;
     sweep.reference = "exact arithmetic on the same rays";
-    sweep.metric = "mean error";
-    sweep.errorUnit = "relative error of t; a wrong hit or miss counts as 1";
+    sweep.metric = "mean relative error of t, 1 for a wrong hit or miss";
     sweep.width = 160;
     sweep.height = 120;
     for (const std::string& method : lab.method.options())
@@ -83,8 +82,7 @@ Sweep triangleSweep(IntersectionsLab& lab) {
     sweep.name = "triangles";
     sweep.title = "ways to meet a triangle: rays at edges, corners, slivers, and anywhere";
     sweep.reference = "exact arithmetic on the same rays";
-    sweep.metric = "wrong hits and misses";
-    sweep.errorUnit = "of all rays";
+    sweep.metric = "share of wrong hits and misses";
     sweep.width = 160;
     sweep.height = 120;
     for (const std::string& way : lab.triangleWay.options())

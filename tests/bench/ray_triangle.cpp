@@ -262,6 +262,19 @@ int main() {
                [method](const Ray& ray, const Triangle& t1) { return intersectPlaneNaive(ray, t1, method); });
     scalar("intersectTriangle, exact",
            [](const Ray& ray, const Triangle& one) { return intersectTriangle(ray, one); });
+    std::vector<Ray> atEdges;
+    for (const Ray& ray : rays) {
+        const glm::dvec3 target =
+            glm::mix(glm::dvec3(triangle.a), glm::dvec3(triangle.b), draw.random().uniform(0, 1));
+        atEdges.push_back({ray.origin, glm::vec3(target - glm::dvec3(ray.origin))});
+    }
+    rows.push_back({"intersectTriangle, rays at an edge", nanoseconds(rayCount, [&] {
+                        for (std::size_t i = 0; i < rayCount; ++i) {
+                            const auto hit = intersectTriangle(atEdges[i], triangle);
+                            t[i] = hit ? static_cast<float>(hit->t) : std::numeric_limits<float>::infinity();
+                        }
+                        sink = t[rayCount / 2];
+                    })});
     const ShearedRay sheared(rays[0]);
     rows.push_back({"ShearedRay of many triangles, exact", nanoseconds(rayCount, [&] {
                         for (std::size_t i = 0; i < rayCount; ++i) {

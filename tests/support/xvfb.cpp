@@ -83,7 +83,7 @@ std::string Xvfb::start() {
         _exit(127);
     }
     close(ends[1]);
-    const std::string number = process_ > 0 ? readNumber(ends[0]) : std::string();
+    std::string number = process_ > 0 ? readNumber(ends[0]) : std::string();
     close(ends[0]);
     if (number.empty())
         stop();

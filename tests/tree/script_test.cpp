@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -88,7 +89,9 @@ class Script : public testing::Test {
         words.insert(words.begin(), (folder_ / "tree/quincunx").string());
         return words;
     }
-    ProcessResult call(std::vector<std::string> words) const { return runProcess(command(words), options()); }
+    ProcessResult call(std::vector<std::string> words) const {
+        return runProcess(command(std::move(words)), options());
+    }
 
     /// The tools called since the last question, with their words.
     std::vector<std::string> calls() {

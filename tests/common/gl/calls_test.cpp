@@ -6,7 +6,6 @@ namespace quincunx::gl {
 namespace {
 
 using test::messageOf;
-using testing::AllOf;
 using testing::HasSubstr;
 using testing::Pair;
 using testing::StartsWith;

@@ -182,8 +182,9 @@ void forEachPlace(const json& value, const std::string& pointer,
                   const std::function<void(const std::string&)>& visit) {
     if (value.is_object())
         for (const auto& [key, member] : value.items()) {
-            visit(pointer + "/" + key);
-            forEachPlace(member, pointer + "/" + key, visit);
+            const std::string place = fmt::format("{}/{}", pointer, key);
+            visit(place);
+            forEachPlace(member, place, visit);
         }
     else if (value.is_array())
         for (std::size_t i = 0; i < value.size(); ++i) {
@@ -202,7 +203,7 @@ TEST(Hostile, EveryValueOfAGltfFileMayBeMissingOrWrong) {
     forEachPlace(original.json, "", [&](const std::string& pointer) {
         GltfFile without = original;
         const json::json_pointer place(pointer);
-        const std::string key = place.back();
+        const std::string& key = place.back();
         json& parent = without.json[place.parent_pointer()];
         if (parent.is_array())
             parent.erase(static_cast<std::size_t>(std::stoul(key)));

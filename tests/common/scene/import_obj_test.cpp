@@ -252,7 +252,7 @@ TEST(Obj, IsTheSameOnAnyNumberOfThreads) {
     for (std::string line; std::getline(lines, line);) {
         if (line[0] == 'f')
             for (std::size_t slash;
-                 (slash = line.rfind("/")) != std::string::npos && slash > line.rfind(' ');)
+                 (slash = line.rfind('/')) != std::string::npos && slash > line.rfind(' ');)
                 line.erase(slash);
         withoutNormals += line + "\n";
     }

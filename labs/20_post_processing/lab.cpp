@@ -1,0 +1,108 @@
+#include "labs/20_post_processing/lab.h"
+
+#include "passes/targets.h"
+#include "scene/import.h"
+#include "scene/spaceship.h"
+
+namespace quincunx {
+
+PostProcessingLab::PostProcessingLab() = default;
+
+void PostProcessingLab::useScene(Scene scene) {
+    builtIn_ = false;
+    tessellation.setIdle("imported models keep their own triangles");
+    if (scene.lights.empty())
+        scene.lights = makeSpaceship(3).lights;
+    scene_ = std::make_unique<ForwardScene>(std::move(scene));
+}
+
+Camera PostProcessingLab::defaultCamera() const {
+    if (builtIn_)
+        return makeSpaceship(3).cameras.front();
+    const Scene& scene = scene_->scene();
+    return scene.cameras.empty() ? frameBounds(scene.bounds(), composedAspect) : scene.cameras.front();
+}
+
+void PostProcessingLab::prepareScene() {
+    if (!builtIn_ || builtTessellation_ == tessellation)
+        return;
+    scene_ = std::make_unique<ForwardScene>(makeSpaceship(tessellation));
+    builtTessellation_ = tessellation;
+}
+
+void PostProcessingLab::drawScene(graph::PassContext& context, const Frame& frame, int factor) {
+    const bool inside = place.as<Place>() == Place::shader && (greyscale > 0 || grain > 0);
+    gl::ProgramFiles files{.label = "fancy",
+                           .vertex = "passes/phong.vert",
+                           .fragment = "labs/20_post_processing/fancy.frag",
+                           .defines = {{"BLINN_PHONG", ""}},
+                           .blocks = SceneBuffers::bindings()};
+    gl::ProgramFiles space{.label = "space",
+                           .vertex = "passes/fullscreen.vert",
+                           .fragment = "labs/20_post_processing/space.frag",
+                           .blocks = SceneBuffers::bindings()};
+    for (gl::ProgramFiles* program : {&files, &space})
+        if (inside) {
+            program->defines.emplace_back("FILM_INSIDE", "");
+            const gl::Program& built = context.programs().get(*program);
+            built.set("greyscale", greyscale);
+            built.set("octaves", static_cast<int>(grain));
+            built.set("samplesPerPixel", static_cast<float>(factor));
+        }
+    ForwardView view =
+        forwardView(frame.camera, static_cast<float>(frame.width) / static_cast<float>(frame.height));
+    view.background = false;
+    glClear(GL_DEPTH_BUFFER_BIT);
+    scene_->bindFrame(view);
+    context.programs().get(space).use();
+    context.drawFullscreen();
+    glDepthFunc(GL_LEQUAL);  // the same triangles again are drawn again
+    for (int i = 0; i < layers; ++i)
+        scene_->draw(context, view, files);
+    glDepthFunc(GL_LESS);
+}
+
+graph::Resource PostProcessingLab::build(graph::FrameGraph& graph, const Frame& frame) {
+    prepareScene();
+    const graph::Format light =
+        frame.pictureFormat == graph::Format::rgba32f ? graph::Format::rgba32f : graph::Format::rgba16f;
+    const PictureTargets targets =
+        addPictureTargets(graph, {light, frame.width, frame.height, supersample, "scene"});
+    graph.addPass({.name = "draw the scene",
+                   .reads = {},
+                   .writes = {targets.color, targets.depth},
+                   .execute = [this, frame, targets](graph::PassContext& context) {
+                       drawScene(context, frame, targets.factor);
+                   }});
+    addResolvePass(graph, targets);
+
+    graph::Resource shown = targets.picture;
+    if (place.as<Place>() == Place::pass && (greyscale > 0 || grain > 0))
+        shown = addFilmPass(graph, shown, {greyscale, grain});
+    std::uint64_t fetches = 0;
+    if (blurSize > 0) {
+        const BlurParams blur{blurMethod.as<BlurMethod>(), blurSize, blurReach};
+        shown = addBlurPasses(graph, shown, blur);
+        fetches = fetchesAPixel(blur);
+    }
+    if (bloom > 0)
+        shown = addBloomPasses(graph, shown, {.strength = bloom, .sigmaPixels = bloomSize});
+    const graph::Resource picture =
+        graph.addResource({"picture", frame.pictureFormat, frame.width, frame.height});
+    const ToneMapParams tone{curve.as<ToneCurve>(), exposure};
+    if (fxaa) {
+        const graph::Resource mapped = graph.addResource({"tone mapped", light, frame.width, frame.height});
+        addToneMapPass(graph, shown, mapped, tone);
+        addFxaaPass(graph, mapped, picture);
+    } else {
+        addToneMapPass(graph, shown, picture, tone);
+    }
+    counters_ = {{"triangles", scene_->triangleCount() * static_cast<std::uint64_t>(layers)}};
+    if (fetches > 0)
+        counters_["blur fetches a pixel"] = fetches;
+    return picture;
+}
+
+}  // namespace quincunx
+
+QUINCUNX_DEFINE_LAB(quincunx::PostProcessingLab)
