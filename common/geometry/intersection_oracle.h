@@ -8,7 +8,7 @@
 /// The answers of exact arithmetic on the given floats, for `stress`, the map of lab 22 and benchmarks: every
 /// decision by expansions, t by quadruple precision from them (relative error below 2^-100). The formulas are
 /// not those of the routines that are measured. The tests hold them against rationals
-/// (IntersectionOracle.*). Slow, microseconds each.
+/// (RayShapes.*, Overlap.*). Slow, microseconds each.
 namespace quincunx {
 
 std::optional<Quad> raySphereExact(const Ray& ray, const Ball& ball);

@@ -39,15 +39,40 @@ struct Exhibit {
     Ball around;         ///< holds the shape; radius infinite where nothing does
 };
 
-/// How a ray is met: by the textbook's formulas in float, or by the routines with a bound.
-enum class Method { naive, stable };
+/// How a ray is met: by the textbook's formulas in float; in float, arranged so that less cancels, where
+/// there is such an arrangement; by the textbook's formulas in double; by the routines with a bound; or by
+/// exact arithmetic.
+enum class Method { naive, careful, real, stable, exact };
+
+/// How the textbook meets a triangle: the point on its plane, inside by one of six tests; by lines in Plücker
+/// coordinates; by Möller and Trumbore; by Woop, Benthin and Wald in float.
+enum class TriangleWay {
+    crossings,
+    angleSum,
+    areas,
+    fan,
+    pluecker2d,
+    crossProducts,
+    pluecker,
+    mollerTrumbore,
+    woop
+};
+
+struct Approach {
+    Method method = Method::stable;
+    TriangleWay triangle = TriangleWay::mollerTrumbore;  ///< for the naive method
+};
 
 /// The shapes of the lab: whole multiples of 1/64, so that moving them by whole numbers up to 2^17 changes
 /// nothing but their place. The names are those of the knob `shape`, in its order.
 std::vector<Exhibit> makeExhibits(glm::vec3 place);
 
 /// The nearest point with t ≥ 0. Normals face the ray's origin.
-std::optional<RayHit> meet(const Exhibit& exhibit, const Ray& ray, Method method);
+std::optional<RayHit> meet(const Exhibit& exhibit, const Ray& ray, const Approach& approach);
+/// Its t alone, which is what the methods are timed by.
+std::optional<double> meetDistance(const Exhibit& exhibit, const Ray& ray, const Approach& approach);
+/// The textbook's ways for one triangle.
+std::optional<double> meetTriangleNaive(const Triangle& triangle, const Ray& ray, TriangleWay way);
 /// The nearest t of exact arithmetic.
 std::optional<Quad> meetExactly(const Exhibit& exhibit, const Ray& ray);
 

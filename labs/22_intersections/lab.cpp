@@ -6,17 +6,17 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "gl/upload.h"
 #include "math/transform.h"
-#include "math/ulp.h"
-#include "math/vector.h"
+#include "scene/import.h"
 
 namespace quincunx {
 
 namespace {
 
-const glm::vec3 target(0.125f, 0.875f, -0.25f);     // what the camera turns about, before the offset
-const glm::vec3 probeOrigin(-4.25f, 2.25f, 2.75f);  // likewise
-const glm::vec3 probeAim(-1.75f, 1.25f, 0.25f);     // where the ray goes for angles of 0
+const glm::vec3 target(0.25f, 0.75f, -0.25f);      // what the camera turns about, before the offset
+const glm::vec3 probeOrigin(-3.75f, 2.25f, 2.5f);  // likewise
+const glm::vec3 probeAim(-1.75f, 1.25f, 0.25f);    // where the ray goes for angles of 0
 
 float textSize(const Frame& frame) {
     return std::clamp(static_cast<float>(frame.height) / 30, 8.0f, 24.0f);
@@ -40,13 +40,16 @@ std::vector<Exhibit> IntersectionsLab::exhibits() const {
 }
 
 Lens IntersectionsLab::lens(const Frame& frame, double aspect) const {
-    return makeLens(frame.camera, target, distance, place(), aspect);
+    const float whole = static_cast<float>(frame.width) / static_cast<float>(frame.height);
+    const Camera camera =
+        fittedToAspect(frame.camera, static_cast<float>(aspect), std::min(whole, composedAspect));
+    return makeLens(camera, target, distance, place(), aspect);
 }
 
 Camera IntersectionsLab::defaultCamera() const {
     Camera camera;
-    camera.worldFromCamera = lookAt({-0.75f, 3.0f, 9.5f}, target, {0, 1, 0});
-    camera.fovYRadians = glm::radians(34.0f);
+    camera.worldFromCamera = lookAt({-0.75f, 2.6f, 10.0f}, target, {0, 1, 0});
+    camera.fovYRadians = glm::radians(40.0f);
     camera.farDistance = 200;
     return camera;
 }
@@ -67,10 +70,10 @@ Ray IntersectionsLab::probeRay() const {
 }
 
 std::vector<IntersectionsLab::Panel> IntersectionsLab::panels(const Frame& frame) const {
-    if (view.as<View>() != View::beside)
+    if (view.as<View>() != View::beside || frame.width < 2)
         return {{0, frame.width, view.as<View>() == View::map}};
-    const int half = std::max(frame.width / 2, 1);
-    return {{0, half, false}, {half, std::max(frame.width - half, 1), true}};
+    const int half = frame.width / 2;
+    return {{0, half, false}, {half, frame.width - half, true}};
 }
 
 std::vector<double> IntersectionsLab::stateOf(const Frame& frame) const {
@@ -80,6 +83,7 @@ std::vector<double> IntersectionsLab::stateOf(const Frame& frame) const {
                               static_cast<double>(view.index()),
                               static_cast<double>(shape.index()),
                               static_cast<double>(method.index()),
+                              static_cast<double>(triangleWay.index()),
                               distance,
                               static_cast<double>(offset),
                               static_cast<double>(supersample)};
@@ -102,10 +106,10 @@ void IntersectionsLab::castPanels(const Frame& frame) {
         const Lens seenBy = lens(frame, static_cast<double>(panel.width) / frame.height);
         const glm::dmat4 clipFromWorld =
             seenBy.clipFromLocal(place()) * glm::translate(glm::dmat4(1), -glm::dvec3(place()));
-        const auto chosen = method.as<Method>();
-        casts_.push_back(panel.map ? castMap(shown, seenBy, clipFromWorld, panel.width, frame.height, chosen)
-                                   : castScene(shown, seenBy, clipFromWorld, panel.width, frame.height,
-                                               chosen, supersample));
+        casts_.push_back(panel.map
+                             ? castMap(shown, seenBy, clipFromWorld, panel.width, frame.height, approach())
+                             : castScene(shown, seenBy, clipFromWorld, panel.width, frame.height, approach(),
+                                         supersample));
         for (const auto& [name, count] : casts_.back().counts)
             counters_[name] += count;
     }
@@ -113,6 +117,11 @@ void IntersectionsLab::castPanels(const Frame& frame) {
 }
 
 graph::Resource IntersectionsLab::build(graph::FrameGraph& graph, const Frame& frame) {
+    triangleWay.setIdle(method.as<Method>() == Method::naive ? "" : "only the naive method has several");
+    supersample.setIdle(view.as<View>() == View::map ? "the map has one ray a pixel" : "");
+    const char* const withoutProbe = probe ? "" : "the shown ray is off";
+    probeTurn.setIdle(withoutProbe);
+    probeTilt.setIdle(withoutProbe);
     const graph::Resource picture =
         graph.addResource({"picture", frame.pictureFormat, frame.width, frame.height});
     const graph::Resource depth =
@@ -131,14 +140,9 @@ void IntersectionsLab::draw(graph::PassContext& context, const Frame& frame) {
         texture_.emplace("cast", GL_RGBA32F, frame.width, frame.height);
         uploaded_ = false;
     }
-    texture_->bind(unit);
     const std::vector<Panel> shown = panels(frame);
-    for (std::size_t i = 0; i < shown.size() && !uploaded_; ++i) {
-        const Image& image = casts_[i].color;
-        glTexSubImage2D(GL_TEXTURE_2D, 0, shown[i].left, 0,
-                        std::min(image.width, frame.width - shown[i].left), image.height, GL_RGBA, GL_FLOAT,
-                        image.data.data());
-    }
+    for (std::size_t i = 0; i < shown.size() && !uploaded_; ++i)
+        gl::upload(*texture_, shown[i].left, 0, casts_[i].color);
     uploaded_ = true;
 
     const gl::Program& program = context.programs().get({.label = "show cast",
@@ -146,6 +150,7 @@ void IntersectionsLab::draw(graph::PassContext& context, const Frame& frame) {
                                                          .fragment = "labs/22_intersections/show.frag"});
     program.use();
     program.set("rays", unit);
+    texture_->bind(unit);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_ALWAYS);
     context.drawFullscreen();
@@ -175,8 +180,7 @@ void IntersectionsLab::addProbe(const Panel& panel, const Frame& frame) {
     const std::vector<Exhibit> shown = exhibits();
     const Ray ray = probeRay();
     const glm::vec3 from = ray.origin - place();
-    const Seen stable = look(shown, ray, Method::stable);
-    const Seen naive = look(shown, ray, Method::naive);
+    const Seen stable = look(shown, ray, {Method::stable});
     const float size = textSize(frame);
     const float width = std::max(2.0f, size / 6);
     const Lines::Style shaft{.color = {1.0f, 0.78f, 0.12f, 1}, .widthPixels = width};
@@ -202,11 +206,12 @@ void IntersectionsLab::addProbe(const Panel& panel, const Frame& frame) {
                             shown[static_cast<std::size_t>(stable.exhibit)].name, stable.hit.t,
                             spelled(stable.hit.point), spelled(stable.hit.normal));
     }
-    const Judged judged = judge(shown, ray, Method::naive);
-    words += naive.exhibit < 0 && stable.exhibit >= 0 ? "\nfloat misses it"
-             : judged.verdict == Verdict::right       ? "\nfloat agrees"
-             : judged.verdict == Verdict::falseHit    ? "\nfloat sees a hit"
-                                                      : fmt::format("\nfloat t: {:.1f} ulp off", judged.ulps);
+    const Judged judged = judge(shown, ray, approach());
+    words += fmt::format("\n{} ", method.text());
+    words += judged.verdict == Verdict::right       ? "agrees"
+             : judged.verdict == Verdict::falseMiss ? "misses it"
+             : judged.verdict == Verdict::falseHit  ? "hits what is not there"
+                                                    : fmt::format("t: {:.1f} ulp off", judged.ulps);
     const glm::mat4 clipFromLocal(
         lens(frame, static_cast<double>(panel.width) / frame.height).clipFromLocal(place()));
     const glm::vec2 extent = labels_.extent(words, size);
@@ -230,7 +235,6 @@ void IntersectionsLab::addLegend(const Panel& panel, const Frame& frame) {
     };
     const std::array rows{Row{"false hits", "hit where there is none", {Verdict::falseHit, 0}},
                           Row{"false misses", "no hit where there is one", {Verdict::falseMiss, 0}},
-                          Row{"other shapes", "the wrong shape", {Verdict::otherShape, 0}},
                           Row{"wrong t", "t off by 1 … 2¹⁶ ulp", {Verdict::wrongT, 65536}}};
     const double pixels = static_cast<double>(panel.width) * frame.height;
     const float left = static_cast<float>(panel.left) + 0.7f * size;

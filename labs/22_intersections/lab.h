@@ -39,11 +39,18 @@ class IntersectionsLab final : public Lab {
                      "Which shapes there are"};
     ChoiceKnob method{knobs(),
                       "method",
-                      {"naive", "stable"},
+                      {"naive", "careful", "double", "stable", "exact"},
                       0,
-                      "Textbook formulas in float, or the routines with an error bound"};
+                      "The textbook in float, float with less cancelling, the textbook in double, routines "
+                      "with an error bound, exact arithmetic"};
+    ChoiceKnob triangleWay{knobs(),
+                           "triangle-way",
+                           {"crossings", "angle-sum", "areas", "fan", "pluecker-2d", "cross-products",
+                            "pluecker", "moller-trumbore", "woop"},
+                           7,
+                           "How the naive method meets triangles"};
     FloatKnob distance{knobs(), "distance",
-                       256,     {1, 4096, true},
+                       128,     {1, 4096, true},
                        "times", "Moves the camera back, and narrows it as much: the same picture from afar"};
     IntKnob offset{knobs(),     "offset", 0,
                    {0, 131072}, "units",  "Moves shapes and camera away from the world's origin"};
@@ -55,6 +62,7 @@ class IntersectionsLab final : public Lab {
     IntKnob supersample{knobs(), "supersample", 2,
                         {1, 4},  "per side",    "Rays along a side of a pixel, averaged; the map has one"};
 
+    Approach approach() const { return {method.as<Method>(), triangleWay.as<TriangleWay>()}; }
     /// The shapes that the knobs leave, in their place.
     std::vector<Exhibit> exhibits() const;
     /// What the camera of the frame sees of them, in a picture of this aspect.

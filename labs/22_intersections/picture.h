@@ -32,7 +32,9 @@ struct Lens {
 Lens makeLens(const Camera& camera, glm::dvec3 target, double distance, glm::dvec3 place, double aspect);
 
 /// How an answer about a ray differs from that of exact arithmetic.
-enum class Verdict { right, falseHit, falseMiss, otherShape, wrongT };
+/// A hit where there is none, or before the first one; no hit where there is one, or one behind it; or the
+/// right shape, but t off.
+enum class Verdict { right, falseHit, falseMiss, wrongT };
 
 struct Judged {
     Verdict verdict = Verdict::right;
@@ -44,9 +46,11 @@ struct Seen {
     int exhibit = -1;  ///< −1: none
     RayHit hit;
 };
-Seen look(const std::vector<Exhibit>& exhibits, const Ray& ray, Method method);
-/// The method's answer against exact arithmetic on the same ray; t is wrong from an error of 0.51 ulp.
-Judged judge(const std::vector<Exhibit>& exhibits, const Ray& ray, Method method);
+Seen look(const std::vector<Exhibit>& exhibits, const Ray& ray, const Approach& approach);
+/// An answer against that of exact arithmetic on the same ray; t is wrong from an error of 0.51 ulp. The
+/// forms without a bound are judged by those with one, which decide exactly and whose t is within 0.004 ulp;
+/// these, by exact arithmetic itself.
+Judged judge(const std::vector<Exhibit>& exhibits, const Ray& ray, const Approach& approach);
 
 struct Cast {
     Image color;  ///< RGBA, linear; alpha is OpenGL's window depth, for what is drawn over it
@@ -55,11 +59,11 @@ struct Cast {
 
 /// What a picture of `samples`² rays a pixel shows by a method: lit, with shadows.
 Cast castScene(const std::vector<Exhibit>& exhibits, const Lens& lens, const glm::dmat4& clipFromWorld,
-               int width, int height, Method method, int samples);
+               int width, int height, const Approach& approach, int samples);
 
 /// The same in grey and darkened, one ray a pixel, with the pixels where the method is wrong in colours.
 Cast castMap(const std::vector<Exhibit>& exhibits, const Lens& lens, const glm::dmat4& clipFromWorld,
-             int width, int height, Method method);
+             int width, int height, const Approach& approach);
 
 /// The colours of the map, linear.
 glm::vec3 colorOf(const Judged& judged);

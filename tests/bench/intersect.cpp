@@ -1,5 +1,6 @@
-// What exactness costs: the intersections, each beside its textbook form, with the ratio of their times; and
-// the packed ones beside what the machine's vector units allow for their operations.
+// What exactness costs: the intersections but for triangles (ray_triangle.cpp), each beside its textbook
+// form, with the ratio of their times; and the packed ones beside what the machine's vector units allow for
+// their operations.
 
 #include <algorithm>
 #include <chrono>
@@ -15,7 +16,6 @@
 #include "geometry/overlap.h"
 #include "geometry/ray_shapes.h"
 #include "geometry/ray_shapes_packed.h"
-#include "geometry/ray_triangle.h"
 #include "math/quadratic.h"
 #include "math/stress_inputs.h"
 #include "ratio_reporter.h"
@@ -31,12 +31,10 @@ struct Inputs {
     std::vector<Ball> balls;
     std::vector<Bounds> boxes;
     std::vector<Plane> planes;
-    std::vector<Triangle> triangles;
     std::vector<glm::vec3> coefficients;
     RayArrays packedRays;
     BallArrays packedBalls;
     BoxArrays packedBoxes;
-    TriangleArrays packedTriangles;
 };
 
 const Inputs& inputs() {
@@ -53,14 +51,11 @@ const Inputs& inputs() {
             in.boxes.push_back({place - 0.8f, place + 0.8f});
             in.planes.push_back(
                 {draw.vectorOfMagnitude(-2, 2), static_cast<float>(draw.random().uniform(-1, 1))});
-            in.triangles.push_back({glm::vec3(1.5 * draw.direction()), glm::vec3(1.5 * draw.direction()),
-                                    glm::vec3(1.5 * draw.direction())});
             in.coefficients.emplace_back(draw.random().uniform(-1, 1), draw.random().uniform(-3, 3),
                                          draw.random().uniform(-1, 1));
             in.packedRays.add(ray);
             in.packedBalls.add(in.balls.back());
             in.packedBoxes.add(in.boxes.back());
-            in.packedTriangles.add(in.triangles.back());
         }
         return in;
     }();
@@ -111,16 +106,6 @@ void registerScalar() {
         },
         [&](std::size_t i) {
             return rayBox(in.rays[i], in.boxes[i]).value_or(RaySpan{-1, 0}).enter;
-        });
-    pairOf<float>(
-        "rayTriangle",
-        [&](std::size_t i) {
-            const auto hit = intersectMollerTrumboreNaive(in.rays[i], in.triangles[i]);
-            return hit ? hit->t : -1;
-        },
-        [&](std::size_t i) {
-            const auto hit = intersectTriangle(in.rays[i], in.triangles[i]);
-            return hit ? hit->t : -1;
         });
     pairOf<char>(
         "sphereSphere",
@@ -247,12 +232,6 @@ void printPacked() {
          [&](auto out) { intersectPacked(in.packedRays, in.boxes[0], out); }},
         {"ray, many boxes", 18, 31, 0, [&](auto out) { intersectPackedNaive(ray, in.packedBoxes, out); },
          [&](auto out) { intersectPacked(ray, in.packedBoxes, out); }},
-        {"rays, one triangle", 68, 22, 1,
-         [&](auto out) { intersectMollerTrumborePackedNaive(in.packedRays, in.triangles[0], out); },
-         [&](auto out) { intersectPacked(in.packedRays, in.triangles[0], out); }},
-        {"ray, many triangles", 86, 27, 1,
-         [&](auto out) { intersectMollerTrumborePackedNaive(ray, in.packedTriangles, out); },
-         [&](auto out) { intersectPacked(ray, in.packedTriangles, out); }},
     };
     std::printf("%-20s %6s %8s %9s %10s %9s %9s %11s %13s\n", "packed", "sums", "compares", "divisions",
                 "allowed ns", "naive ns", "stable ns", "of allowed", "stable/naive");
