@@ -1,5 +1,6 @@
 #include "math/projection.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -67,6 +68,57 @@ glm::mat4 orthographic(float left, float right, float bottom, float top, float n
         clipFromCamera[3][axis] = static_cast<float>(-(high[axis] + low[axis]) / extent[axis]);
     }
     return clipFromCamera;
+}
+
+glm::mat4 orthographicNaive(float left, float right, float bottom, float top, float nearDistance,
+                            float farDistance) {
+    glm::mat4 clipFromCamera(1);
+    clipFromCamera[0][0] = 2 / (right - left);
+    clipFromCamera[1][1] = 2 / (top - bottom);
+    clipFromCamera[2][2] = -2 / (farDistance - nearDistance);
+    clipFromCamera[3][0] = -(right + left) / (right - left);
+    clipFromCamera[3][1] = -(top + bottom) / (top - bottom);
+    clipFromCamera[3][2] = -(farDistance + nearDistance) / (farDistance - nearDistance);
+    return clipFromCamera;
+}
+
+float distanceFromDepth(float depth, float nearDistance, float farDistance) {
+    const double share = static_cast<double>(nearDistance) / farDistance;
+    return static_cast<float>(nearDistance / ((1 - static_cast<double>(depth)) + depth * share));
+}
+
+float distanceFromDepthNaive(float depth, float nearDistance, float farDistance) {
+    const float ndc = depth * 2 - 1;
+    return (2 * nearDistance * farDistance) /
+           (farDistance + nearDistance - ndc * (farDistance - nearDistance));
+}
+
+std::optional<glm::mat4> withNearPlane(const glm::mat4& clipFromEye, glm::vec4 planeEye) {
+    const glm::dmat4 clip(clipFromEye);
+    const glm::dmat4 eyeFromClip = glm::inverse(clip);
+    glm::dvec4 plane(planeEye);
+    const double most = std::max({std::abs(plane.x), std::abs(plane.y), std::abs(plane.z)});
+    if (!(most > 0) || !std::isfinite(most) || !std::isfinite(plane.w))
+        return std::nullopt;
+    plane /= most;
+    // The corner of the far plane that is farthest in front of the plane must stay inside.
+    const glm::dvec4 planeClip = plane * eyeFromClip;
+    const auto side = [](double x) { return x < 0 ? -1.0 : 1.0; };
+    const glm::dvec4 corner = eyeFromClip * glm::dvec4(side(planeClip.x), side(planeClip.y), 1, 1);
+    const glm::dvec4 lastRow(clip[0][3], clip[1][3], clip[2][3], clip[3][3]);
+    const double front = glm::dot(plane, corner);
+    const double scale = 2 * glm::dot(lastRow, corner) / front;
+    // The eye is where x, y and w of clip space vanish: (0, 0, ±∞, 0) there.
+    const bool eyeInFront = clip[3][3] == 0 && plane.w >= 0;
+    if (!std::isfinite(front) || !(front > 0) || !(scale > 0) || eyeInFront)
+        return std::nullopt;
+    glm::mat4 result = clipFromEye;
+    for (int column = 0; column < 4; ++column)
+        result[column][2] = static_cast<float>(scale * plane[column] - lastRow[column]);
+    for (int column = 0; column < 4; ++column)
+        if (!std::isfinite(result[column][2]))
+            return std::nullopt;
+    return result;
 }
 
 }  // namespace quincunx

@@ -28,14 +28,29 @@ glm::mat3 normalMatrixNaive(const glm::mat4& worldFromModel);
 /// no direction, or something is not finite. Held by NormalMatrix.*.
 std::optional<glm::vec3> transformNormal(const glm::mat4& worldFromModel, glm::vec3 normal);
 
-/// The inverse, every entry to 0.5 ulp however badly conditioned: the adjugate over the determinant, from
-/// `determinant` of math/exact.h, whose results do not cancel and stay far inside the range of double. None
-/// if the matrix is singular (decided exactly), not finite, or if an entry of its inverse exceeds the range
-/// of float. It takes some thirty times as long as `inverseNaive` (bench_vector). Held by Inverse.*.
+/// The inverse, every entry to 0.5 ulp + 2^-17 however badly conditioned: the adjugate over the determinant
+/// in double, whose 2×2 minors of floats do not cancel. Where the sums of larger ones cancel by more than 2^8
+/// they are taken from `determinant` of math/exact.h; else they are within 5 u 2^8. None if the matrix is
+/// singular (decided exactly), not finite, or if an entry of its inverse exceeds the range of float. Held by
+/// Inverse.*.
 std::optional<glm::mat4> inverse(const glm::mat4& m);
 
 /// Adjugate over determinant, in float.
 glm::mat4 inverseNaive(const glm::mat4& m);
+
+/// The same result, bound and exceptions as `inverse` for an affine matrix, whose last row is 0 0 0 1 (a bug
+/// of the caller otherwise): A⁻¹ and −A⁻¹t. Held by Inverse.*.
+std::optional<glm::mat4> inverseAffine(const glm::mat4& m);
+
+/// A⁻¹ and −A⁻¹t, in float.
+glm::mat4 inverseAffineNaive(const glm::mat4& m);
+
+/// The inverse of a rigid matrix, Rᵀ and −Rᵀt: 0.5 ulp an entry of what these are for the given floats.
+/// Whatever R lacks of being orthonormal stays in the result. The last row is 0 0 0 1. Held by Inverse.*.
+glm::mat4 inverseRigid(const glm::mat4& m);
+
+/// Rᵀ and −Rᵀt, in float.
+glm::mat4 inverseRigidNaive(const glm::mat4& m);
 
 /// The pose of a camera at `eye` that looks at `target` with `up` upwards in its picture: a rigid matrix,
 /// |RRᵀ − I| ≤ 1.1e-7 in every entry (rounding alone: 2 √3 2^-25), det = +1, its origin exactly `eye`.
@@ -45,8 +60,7 @@ glm::mat4 lookAt(glm::vec3 eye, glm::vec3 target, glm::vec3 up);
 
 glm::mat4 lookAtNaive(glm::vec3 eye, glm::vec3 target, glm::vec3 up);
 
-/// The inverse of a rigid pose, Rᵀ and −Rᵀt: 0.5 ulp an entry of what these are for the given floats.
-/// Whatever R lacks of being orthonormal stays in the result. Held by LookAt.*.
+/// `inverseRigid` of a camera's pose. Held by LookAt.*.
 glm::mat4 cameraFromWorld(const glm::mat4& worldFromCamera);
 
 }  // namespace quincunx
