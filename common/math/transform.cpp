@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "base/check.h"
 #include "math/exact.h"
@@ -13,38 +14,27 @@ namespace quincunx {
 namespace {
 
 /// sign(det M) cof M, each entry within a relative u.
-glm::dmat3 signedCofactors(const glm::mat3& m) {
-    const glm::dvec3 first = crossInDouble(m[1], m[2]);
-    const glm::dvec3 terms = glm::dvec3(m[0]) * first;
+[[gnu::always_inline]] inline glm::dmat3 signedCofactors(const glm::mat4& m) {
+    const glm::dvec3 x(m[0]);
+    const glm::dvec3 y(m[1]);
+    const glm::dvec3 z(m[2]);
+    const glm::dvec3 first = glm::cross(y, z);
+    const glm::dvec3 terms = x * first;
     const double sum = terms.x + terms.y + terms.z;
     // The sum is within 4 u of the terms' magnitudes: beyond 2^-48 of them its sign is right.
     const double magnitude = std::abs(terms.x) + std::abs(terms.y) + std::abs(terms.z);
-    const double signedDeterminant = std::abs(sum) > 0x1p-48 * magnitude ? sum : determinant(m);
+    const double signedDeterminant = std::abs(sum) >= 0x1p-48 * magnitude ? sum : determinant(glm::mat3(m));
     const double sign = signedDeterminant < 0 ? -1 : 1;
-    return {sign * first, sign * crossInDouble(m[2], m[0]), sign * crossInDouble(m[0], m[1])};
+    return {sign * first, sign * glm::cross(z, x), sign * glm::cross(x, y)};
 }
 
-/// Whether all of the `Count` floats of a matrix are finite.
-template <int Count>
-bool allFinite(const float* entries) {
-    constexpr std::uint32_t exponentBits = 0x7f800000u;
-    std::uint32_t found = 0;
-    for (int i = 0; i < Count; ++i)
-        found |= (std::bit_cast<std::uint32_t>(entries[i]) & exponentBits) == exponentBits ? 1u : 0u;
-    return found == 0;
-}
-
-bool isFinite(const glm::mat3& m) {
-    return allFinite<9>(&m[0][0]);
-}
-
+/// Whether all entries are finite; without branches or copies.
 bool isFinite(const glm::mat4& m) {
-    return allFinite<16>(&m[0][0]);
-}
-
-/// ⌊log2 |x|⌋ of a normal double.
-int exponentOf(double x) {
-    return static_cast<int>((std::bit_cast<std::uint64_t>(x) >> 52) & 0x7ff) - 1023;
+    float probe = 0;
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            probe += 0 * m[column][row];
+    return probe == 0;
 }
 
 /// 2^exponent, in the range of normal doubles.
@@ -52,8 +42,16 @@ double powerOfTwo(int exponent) {
     return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
 }
 
-double largest(glm::dvec3 v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+/// The bits of |x|, which order as |x| does; infinities and what is not a number come last.
+std::uint64_t magnitudeBits(double x) {
+    return std::bit_cast<std::uint64_t>(x) & 0x7fffffffffffffffu;
+}
+
+/// ⌊log2⌋ of the largest |component| of a vector of normal doubles and zeros; 1024 if one is not finite,
+/// −1023 if all are zero.
+int exponentOfLargest(glm::dvec3 v) {
+    const std::uint64_t most = std::max(std::max(magnitudeBits(v.x), magnitudeBits(v.y)), magnitudeBits(v.z));
+    return static_cast<int>(most >> 52) - 1023;
 }
 
 /// m without its column and row.
@@ -106,23 +104,17 @@ bool isAffine(const glm::mat4& m) {
 }  // namespace
 
 glm::mat3 normalMatrix(const glm::mat4& worldFromModel) {
-    const glm::mat3 linear(worldFromModel);
-    if (!isFinite(linear))
-        return glm::mat3(1);
-    const glm::dmat3 cofactors = signedCofactors(linear);
-    int highest = 0;
-    int lowest = 0;
-    bool any = false;
+    // Products of floats stay in the range of double, so cofactors are finite exactly if the matrix is.
+    const glm::dmat3 cofactors = signedCofactors(worldFromModel);
+    constexpr int none = -1023;
+    int highest = none;
+    int lowest = 1025;
     for (int column = 0; column < 3; ++column) {
-        const double most = largest(cofactors[column]);
-        if (most == 0)
-            continue;
-        const int exponent = exponentOf(most);
-        highest = any ? std::max(highest, exponent) : exponent;
-        lowest = any ? std::min(lowest, exponent) : exponent;
-        any = true;
+        const int exponent = exponentOfLargest(cofactors[column]);
+        highest = std::max(highest, exponent);
+        lowest = exponent == none ? lowest : std::min(lowest, exponent);
     }
-    if (!any)
+    if (highest == none || highest == 1024)
         return glm::mat3(1);
     const int centre = lowest + (highest - lowest) / 2;
     // Within 2^±300, so exact and in the range of double.
@@ -135,11 +127,12 @@ glm::mat3 normalMatrixNaive(const glm::mat4& worldFromModel) {
 }
 
 std::optional<glm::vec3> transformNormal(const glm::mat4& worldFromModel, glm::vec3 normal) {
-    const glm::mat3 linear(worldFromModel);
-    if (!isFinite(linear) || !quincunx::isFinite(normal))
+    // Not finite if something is not; else between 2^-447 and 2^386 a component, or zero.
+    const glm::dvec3 world = signedCofactors(worldFromModel) * glm::dvec3(normal);
+    const double squared = glm::dot(world, world);
+    if (!(squared > 0 && squared < std::numeric_limits<double>::infinity()))
         return std::nullopt;
-    const std::optional<glm::dvec3> world = normalize(signedCofactors(linear) * glm::dvec3(normal));
-    return world ? std::optional(glm::vec3(*world)) : std::nullopt;
+    return glm::vec3(world * (1 / std::sqrt(squared)));
 }
 
 std::optional<glm::mat4> inverseAffine(const glm::mat4& m) {
@@ -151,25 +144,26 @@ std::optional<glm::mat4> inverseAffine(const glm::mat4& m) {
     const glm::dvec3 rows[3] = {glm::cross(y, z), glm::cross(z, x), glm::cross(x, y)};
     const Sum sum = sumOf(x.x * rows[0].x, x.y * rows[0].y, x.z * rows[0].z);
     const double volume = sum.cancelled() ? determinant(glm::mat3(m)) : sum.value;
-    if (volume == 0 || !isFinite(m))
+    // Not finite exactly if one of the nine entries is not.
+    if (volume == 0 || !std::isfinite(volume))
         return std::nullopt;
     const double reciprocal = 1 / volume;
-    glm::mat4 result(1);
+    double origin[3];
     for (int row = 0; row < 3; ++row) {
-        const glm::dvec3 cofactors = rows[row];
-        result[0][row] = static_cast<float>(cofactors.x * reciprocal);
-        result[1][row] = static_cast<float>(cofactors.y * reciprocal);
-        result[2][row] = static_cast<float>(cofactors.z * reciprocal);
-        const Sum origin = sumOf(cofactors.x * t.x, cofactors.y * t.y, cofactors.z * t.z);
-        double value = origin.value;
-        if (origin.cancelled()) [[unlikely]] {
+        const Sum shift = sumOf(rows[row].x * t.x, rows[row].y * t.y, rows[row].z * t.z);
+        origin[row] = shift.value;
+        if (shift.cancelled()) [[unlikely]] {
             // Cramer: the determinant of the matrix with t in the place of the column.
             glm::mat3 replaced(m);
             replaced[row] = glm::vec3(m[3]);
-            value = determinant(replaced);
+            origin[row] = determinant(replaced);
         }
-        result[3][row] = static_cast<float>(-value * reciprocal);
     }
+    const auto entry = [reciprocal](double cofactor) { return static_cast<float>(cofactor * reciprocal); };
+    const glm::mat4 result(entry(rows[0].x), entry(rows[1].x), entry(rows[2].x), 0,  //
+                           entry(rows[0].y), entry(rows[1].y), entry(rows[2].y), 0,  //
+                           entry(rows[0].z), entry(rows[1].z), entry(rows[2].z), 0,  //
+                           entry(-origin[0]), entry(-origin[1]), entry(-origin[2]), 1);
     return isFinite(result) ? std::optional(result) : std::nullopt;
 }
 
@@ -198,8 +192,6 @@ glm::mat4 inverseRigidNaive(const glm::mat4& m) {
 std::optional<glm::mat4> inverse(const glm::mat4& m) {
     if (isAffine(m))
         return inverseAffine(m);
-    if (!isFinite(m))
-        return std::nullopt;
     double entries[4][4];
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
@@ -220,7 +212,8 @@ std::optional<glm::mat4> inverse(const glm::mat4& m) {
     }
     if (std::abs(det) <= mostCancelled * magnitude)
         det = determinant(m);
-    if (det == 0)
+    // Not finite exactly if an entry is not: each is in a minor of its two columns, and that in a term.
+    if (det == 0 || !std::isfinite(det))
         return std::nullopt;
     const double reciprocal = 1 / det;
     glm::mat4 result;
@@ -246,10 +239,20 @@ glm::mat4 lookAt(glm::vec3 eye, glm::vec3 target, glm::vec3 up) {
     QX_CHECK(quincunx::isFinite(eye) && quincunx::isFinite(target) && quincunx::isFinite(up));
     glm::dmat3 rotation(1);
     const glm::dvec3 view = glm::dvec3(target) - glm::dvec3(eye);
-    if (const auto forward = normalize(view)) {
-        const std::optional<glm::dvec3> side = normalize(cross(view, glm::dvec3(up)));
-        const glm::dvec3 right = side ? *side : basisAround(view).value()[0];
-        rotation = glm::dmat3(right, glm::cross(right, *forward), -*forward);
+    const double viewSquared = glm::dot(view, view);
+    if (viewSquared > 0) {
+        const glm::dvec3 forward = view * (1 / std::sqrt(viewSquared));
+        const glm::dvec3 upwards(up);
+        glm::dvec3 side = glm::cross(view, upwards);
+        double sideSquared = glm::dot(side, side);
+        // sin² of the angle between view and up; below 2^-32 the products have cancelled to 2^-36 and less.
+        if (sideSquared <= 0x1p-32 * viewSquared * glm::dot(upwards, upwards)) [[unlikely]] {
+            const std::optional<glm::dvec3> careful = normalize(cross(view, upwards));
+            side = careful ? *careful : basisAround(view).value()[0];
+            sideSquared = glm::dot(side, side);
+        }
+        const glm::dvec3 right = side * (1 / std::sqrt(sideSquared));
+        rotation = glm::dmat3(right, glm::cross(right, forward), -forward);
     }
     glm::mat4 worldFromCamera{glm::mat3(rotation)};
     worldFromCamera[3] = glm::vec4(eye, 1);
