@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/check.h"
+#include "math/exact.h"
 
 namespace quincunx {
 namespace {
@@ -94,22 +95,32 @@ float distanceFromDepthNaive(float depth, float nearDistance, float farDistance)
 }
 
 std::optional<glm::mat4> withNearPlane(const glm::mat4& clipFromEye, glm::vec4 planeEye) {
-    const glm::dmat4 clip(clipFromEye);
-    const glm::dmat4 eyeFromClip = glm::inverse(clip);
+    const double det = determinant(clipFromEye);
     glm::dvec4 plane(planeEye);
     const double most = std::max({std::abs(plane.x), std::abs(plane.y), std::abs(plane.z)});
-    if (!(most > 0) || !std::isfinite(most) || !std::isfinite(plane.w))
+    if (det == 0 || !std::isfinite(det) || !(most > 0) || !std::isfinite(most) || !std::isfinite(plane.w))
         return std::nullopt;
     plane /= most;
-    // The corner of the far plane that is farthest in front of the plane must stay inside.
-    const glm::dvec4 planeClip = plane * eyeFromClip;
-    const auto side = [](double x) { return x < 0 ? -1.0 : 1.0; };
-    const glm::dvec4 corner = eyeFromClip * glm::dvec4(side(planeClip.x), side(planeClip.y), 1, 1);
-    const glm::dvec4 lastRow(clip[0][3], clip[1][3], clip[2][3], clip[3][3]);
+    // The corner of the far plane that is farthest in front of the plane, which must stay inside. By Cramer's
+    // rule, with determinants that do not cancel: the plane's sides in clip space, then the corner.
+    glm::vec4 cornerClip(1);
+    for (int axis = 0; axis < 2; ++axis) {
+        glm::mat4 replaced = clipFromEye;
+        for (int column = 0; column < 4; ++column)
+            replaced[column][axis] = planeEye[column];
+        cornerClip[axis] = determinant(replaced) / det < 0 ? -1.0f : 1.0f;
+    }
+    glm::dvec4 corner(0);
+    for (int axis = 0; axis < 4; ++axis) {
+        glm::mat4 replaced = clipFromEye;
+        replaced[axis] = cornerClip;
+        corner[axis] = determinant(replaced) / det;
+    }
+    const glm::dvec4 lastRow(clipFromEye[0][3], clipFromEye[1][3], clipFromEye[2][3], clipFromEye[3][3]);
     const double front = glm::dot(plane, corner);
     const double scale = 2 * glm::dot(lastRow, corner) / front;
-    // The eye is where x, y and w of clip space vanish: (0, 0, ±∞, 0) there.
-    const bool eyeInFront = clip[3][3] == 0 && plane.w >= 0;
+    // A perspective's eye has no w: it is behind the plane if d < 0.
+    const bool eyeInFront = clipFromEye[3][3] == 0 && plane.w >= 0;
     if (!std::isfinite(front) || !(front > 0) || !(scale > 0) || eyeInFront)
         return std::nullopt;
     glm::mat4 result = clipFromEye;
@@ -118,6 +129,20 @@ std::optional<glm::mat4> withNearPlane(const glm::mat4& clipFromEye, glm::vec4 p
     for (int column = 0; column < 4; ++column)
         if (!std::isfinite(result[column][2]))
             return std::nullopt;
+    return result;
+}
+
+glm::mat4 withNearPlaneNaive(const glm::mat4& clipFromEye, glm::vec4 planeEye) {
+    const auto sign = [](float x) { return x < 0 ? -1.0f : 1.0f; };
+    const glm::vec4 corner((sign(planeEye.x) + clipFromEye[2][0]) / clipFromEye[0][0],
+                           (sign(planeEye.y) + clipFromEye[2][1]) / clipFromEye[1][1], -1,
+                           (1 + clipFromEye[2][2]) / clipFromEye[3][2]);
+    const glm::vec4 row = planeEye * (2 / glm::dot(planeEye, corner));
+    glm::mat4 result = clipFromEye;
+    result[0][2] = row.x;
+    result[1][2] = row.y;
+    result[2][2] = row.z + 1;
+    result[3][2] = row.w;
     return result;
 }
 

@@ -57,4 +57,7 @@ glm::mat4 orthographicNaive(float left, float right, float bottom, float top, fl
 /// in front of it, or if the projection is singular. Held by ObliqueNear.*.
 std::optional<glm::mat4> withNearPlane(const glm::mat4& clipFromEye, glm::vec4 planeEye);
 
+/// Lengyel's formula for a perspective, in float.
+glm::mat4 withNearPlaneNaive(const glm::mat4& clipFromEye, glm::vec4 planeEye);
+
 }  // namespace quincunx

@@ -116,4 +116,23 @@ Quad arcTangent(Quad y, Quad x) {
     return start + rest;
 }
 
+QuadAdjugate adjugateQuad(const glm::mat4& m) {
+    QuadAdjugate result;
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 4; ++row) {
+            std::array<glm::vec3, 3> minor{};
+            for (int c = 0; c < 3; ++c)
+                for (int r = 0; r < 3; ++r)
+                    minor[static_cast<std::size_t>(c)][r] = m[c < column ? c : c + 1][r < row ? r : r + 1];
+            const Quad determinant =
+                dotQuad(QuadVector(minor[0]), crossQuad(QuadVector(minor[1]), QuadVector(minor[2])));
+            result.entries[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] =
+                (column + row) % 2 == 0 ? determinant : -determinant;
+        }
+    }
+    for (int row = 0; row < 4; ++row)
+        result.determinant += Quad(m[0][row]) * result.entries[static_cast<std::size_t>(row)][0];
+    return result;
+}
+
 }  // namespace quincunx

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "math/transform_hard_cases.h"
+
 namespace quincunx {
 namespace {
 
@@ -44,7 +46,10 @@ std::string nameOf(const testing::TestParamInfo<HardCase>& info) {
 
 const auto shading = shadingHardCases();
 const auto frames = frameHardCases();
+const auto transforms = transformHardCases();
 INSTANTIATE_TEST_SUITE_P(Shading, HardCases, testing::ValuesIn(shading.begin(), shading.end()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Transforms, HardCases, testing::ValuesIn(transforms.begin(), transforms.end()),
+                         nameOf);
 INSTANTIATE_TEST_SUITE_P(Frames, HardCases, testing::ValuesIn(frames.begin(), frames.end()), nameOf);
 
 }  // namespace
