@@ -1,5 +1,6 @@
-// What exactness costs: the stable routines on whole arrays, each beside GLM's, with the ratio of their
-// times.
+// What exactness costs: the stable routines on whole arrays, each beside the textbook's formula in float as
+// GLM has it, with the ratio of their times. `normalize` stands beside the division by the length as well,
+// since GLM multiplies by a reciprocal that adds an error of its own.
 
 #include "math/vector.h"
 
@@ -16,8 +17,10 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "math/projection.h"
+#include "math/spaces.h"
 #include "math/stress_inputs.h"
 #include "math/transform.h"
+#include "math/trs.h"
 
 namespace {
 
@@ -91,6 +94,12 @@ void modelsOf(const std::string& routine, const Naive& naive, const Stable& stab
                                  [stable](benchmark::State& state) { overModels<Result>(state, stable); });
 }
 
+/// A perspective of what a placed eye sees.
+glm::mat4 projectionOf(const glm::mat4& worldFromEye) {
+    static const glm::mat4 clipFromEye = perspective(1.0f, 1.5f, 0.1f, 100.0f);
+    return clipFromEye * worldFromEye;
+}
+
 /// The usual table, then one line a routine with the ratio.
 class RatioReporter : public benchmark::ConsoleReporter {
   public:
@@ -126,6 +135,9 @@ int main(int argc, char** argv) {
         "normalize", [](vec3 a, vec3) { return glm::normalize(a); },
         [](vec3 a, vec3) { return normalizeOr(a, vec3(0)); });
     pairsOf<vec3>(
+        "normalize (division)", [](vec3 a, vec3) { return a / std::sqrt(glm::dot(a, a)); },
+        [](vec3 a, vec3) { return normalizeOr(a, vec3(0)); });
+    pairsOf<vec3>(
         "normalizePrescaled", [](vec3 a, vec3) { return glm::normalize(a); },
         [](vec3 a, vec3) { return normalizePrescaled(a).value_or(vec3(0)); });
     pairsOf<float>(
@@ -158,6 +170,35 @@ int main(int argc, char** argv) {
     modelsOf<glm::mat4>(
         "inverse", [](const glm::mat4& m) { return glm::inverse(m); },
         [](const glm::mat4& m) { return inverse(m).value_or(glm::mat4(0)); });
+
+    modelsOf<glm::mat4>(
+        "inverseAffine", [](const glm::mat4& m) { return glm::affineInverse(m); },
+        [](const glm::mat4& m) { return inverseAffine(m).value_or(glm::mat4(0)); });
+    modelsOf<glm::mat4>(
+        "inverseRigid",
+        [](const glm::mat4& m) {
+            const glm::mat3 transposed = glm::transpose(glm::mat3(m));
+            glm::mat4 result{transposed};
+            result[3] = glm::vec4(-(transposed * glm::vec3(m[3])), 1);
+            return result;
+        },
+        [](const glm::mat4& m) { return inverseRigid(m); });
+    modelsOf<glm::mat4>(
+        "inverse (projection)", [](const glm::mat4& m) { return glm::inverse(projectionOf(m)); },
+        [](const glm::mat4& m) { return inverse(projectionOf(m)).value_or(glm::mat4(0)); });
+    modelsOf<Trs>(
+        "decompose", [](const glm::mat4& m) { return decomposeNaive(m); },
+        [](const glm::mat4& m) { return decompose(m).value_or(Trs{}); });
+    pairsOf<vec3>(
+        "homogenize",
+        [](vec3 a, vec3 b) {
+            const float reciprocal = 1 / b.x;
+            return a * reciprocal;
+        },
+        [](vec3 a, vec3 b) { return homogenize(glm::vec4(a, b.x)).value; });
+    modelsOf<glm::mat4>(
+        "eyeFromModel", [](const glm::mat4& m) { return inverseRigidNaive(m) * m; },
+        [](const glm::mat4& m) { return eyeFromModel(glm::dmat4(m), glm::dmat4(m)); });
 
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv))

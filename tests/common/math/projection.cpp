@@ -129,5 +129,76 @@ TEST(Orthographic, IsRoundedOnceInEveryEntry) {
     EXPECT_DEATH(orthographic(1, 1, 0, 1, 0, 1), "left");
 }
 
+TEST(DepthDistance, UndoesThePerspective) {
+    StressInputs draw(6);
+    for (int i = 0; i < 20000; ++i) {
+        const auto near = static_cast<float>(draw.magnitude(-10, 10));
+        const float far = i % 4 == 0 ? infinity : static_cast<float>(near * draw.magnitude(1, 30));
+        const auto depth = static_cast<float>(draw.random().uniform());
+        const Rational n(near);
+        const Rational d(depth);
+        const Rational share = far == infinity ? Rational(0) : Rational(n / Rational(far));
+        const Rational exact = n / ((1 - d) + d * share);
+        ASSERT_LE(ulpError(distanceFromDepth(depth, near, far), exact), halfUlp);
+    }
+    EXPECT_EQ(distanceFromDepth(0, 0.1f, 100), 0.1f);
+    EXPECT_EQ(distanceFromDepth(1, 0.1f, 100), 100);
+    EXPECT_EQ(distanceFromDepth(1, 0.1f, infinity), infinity);
+}
+
+TEST(ObliqueNear, PlaneBecomesTheNearPlaneAndNothingElseMoves) {
+    StressInputs draw(7);
+    for (int i = 0; i < 5000; ++i) {
+        const float far = i % 3 == 0 ? infinity : 500.0f;
+        const glm::mat4 clipFromEye = perspective(1.0f, 1.5f, 0.25f, far);
+        glm::dvec3 normal = draw.direction();
+        normal.z = -std::abs(normal.z) - 0.2;
+        const double away = draw.magnitude(0, 5);
+        const glm::vec4 plane(draw.magnitude(-30, 30) * glm::dvec4(normal, normal.z * away));
+        const glm::mat4 oblique = withNearPlane(clipFromEye, plane).value();
+        for (int k = 0; k < 8; ++k) {
+            // A point on the plane, and one of the frustum.
+            const double x = draw.random().uniform(-9, 9);
+            const double y = draw.random().uniform(-9, 9);
+            const glm::dvec4 on(x, y, -(plane.x * x + plane.y * y + plane.w) / plane.z, 1);
+            const glm::dvec4 onClip = glm::dmat4(oblique) * on;
+            // Rounding of the third row to float: 2^-24 of each of its three terms.
+            const glm::dmat4 rows(oblique);
+            const double terms = std::abs(rows[0][2] * on.x) + std::abs(rows[1][2] * on.y) +
+                                 std::abs(rows[2][2] * on.z) + std::abs(rows[3][2]);
+            ASSERT_NEAR(onClip.z + onClip.w, 0, 0x1p-23 * terms);
+            const double distance = draw.magnitude(-1, 8);
+            const glm::dvec4 inside(distance * draw.random().uniform(-0.7, 0.7),
+                                    distance * draw.random().uniform(-0.5, 0.5), -distance, 1);
+            const glm::dvec4 before = glm::dmat4(clipFromEye) * inside;
+            const glm::dvec4 after = glm::dmat4(oblique) * inside;
+            ASSERT_EQ((glm::dvec3(before.x, before.y, before.w)), (glm::dvec3(after.x, after.y, after.w)));
+            const double side = glm::dot(glm::dvec4(plane), inside) / glm::length(glm::dvec3(plane));
+            if (std::abs(side) > 1e-4 * distance) {
+                ASSERT_EQ(after.z > -after.w, side > 0);
+            }
+            // What the old frustum held beyond the plane is still before the far plane.
+            if (side > 0 && before.z < before.w) {
+                ASSERT_LE(after.z, after.w * (1 + 1e-5));
+            }
+        }
+    }
+}
+
+TEST(ObliqueNear, RefusesPlanesThatNoFrustumHas) {
+    const glm::mat4 clipFromEye = perspective(1.0f, 1.5f, 0.25f, 100.0f);
+    EXPECT_TRUE(withNearPlane(clipFromEye, {0, 0, -1, -2}).has_value());
+    EXPECT_FALSE(withNearPlane(clipFromEye, {0, 0, -1, 0}).has_value());  // through the eye
+    EXPECT_FALSE(withNearPlane(clipFromEye, {0, 0, -1, 2}).has_value());  // behind the eye
+    EXPECT_FALSE(withNearPlane(clipFromEye, {0, 0, 1, -2}).has_value());  // nothing of the frustum in front
+    EXPECT_FALSE(withNearPlane(clipFromEye, {0, 0, 0, -2}).has_value());
+    EXPECT_FALSE(withNearPlane(clipFromEye, {0, infinity, -1, -2}).has_value());
+    EXPECT_FALSE(withNearPlane(glm::mat4(0), {0, 0, -1, -2}).has_value());
+    const glm::mat4 box = orthographic(-1, 1, -1, 1, 0, 10);
+    const glm::mat4 cut = withNearPlane(box, {0, 0, -1, -4}).value();
+    EXPECT_NEAR((cut * glm::vec4(0, 0, -4, 1)).z, -1, 4e-7);
+    EXPECT_NEAR((cut * glm::vec4(0, 0, -10, 1)).z, 1, 4e-7);
+}
+
 }  // namespace
 }  // namespace quincunx
