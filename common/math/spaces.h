@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include <glm/glm.hpp>
@@ -12,10 +13,10 @@ namespace quincunx {
 
 /// What a homogeneous point (x, y, z, w) stands for.
 enum class HomogeneousKind {
-    point,      ///< w > 0: the point p / w
-    behind,     ///< w < 0: p / w too, but behind the eye; what is drawn there is upside down, so clip first
-    direction,  ///< w = 0, or p / w beyond the range: a point at infinity, given as its unit direction
-    nothing,    ///< (0, 0, 0, 0), or not finite: no point at all, given as zero
+    point = 0,   ///< w > 0: the point p / w
+    behind = 1,  ///< w < 0: p / w too, but behind the eye; what is drawn there is upside down, so clip first
+    direction,   ///< w = 0, or p / w beyond the range: a point at infinity, given as its unit direction
+    nothing,     ///< (0, 0, 0, 0), or not finite: no point at all, given as zero
 };
 
 /// The result of the division by w. `value` is finite whatever came in.
@@ -41,7 +42,7 @@ inline Homogenized homogenize(glm::vec4 p) {
     const float probe =
         (quotient.x - quotient.x) + (quotient.y - quotient.y) + (quotient.z - quotient.z) + (p.w - p.w);
     if (probe == 0) [[likely]]
-        return {p.w > 0 ? HomogeneousKind::point : HomogeneousKind::behind, quotient};
+        return {static_cast<HomogeneousKind>(std::signbit(p.w)), quotient};
     return detail::homogenizeFarAway(p);
 }
 HomogenizedInDouble homogenize(glm::dvec4 p);

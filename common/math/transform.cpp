@@ -28,15 +28,6 @@ namespace {
     return {sign * first, sign * glm::cross(z, x), sign * glm::cross(x, y)};
 }
 
-/// Whether all entries are finite; without branches or copies.
-bool isFinite(const glm::mat4& m) {
-    float probe = 0;
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row)
-            probe += 0 * m[column][row];
-    return probe == 0;
-}
-
 /// 2^exponent, in the range of normal doubles.
 double powerOfTwo(int exponent) {
     return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
@@ -63,8 +54,9 @@ glm::mat3 minorOf(const glm::mat4& m, int column, int row) {
     return minor;
 }
 
-/// Sums that are smaller than this share of their terms have cancelled too far for double.
-constexpr double mostCancelled = 0x1p-8;
+/// Sums that are smaller than this share of their terms have cancelled too far for double: they are within
+/// 5 u of the terms' magnitudes, so above it within 5 · 2^-33 of themselves.
+constexpr double mostCancelled = 0x1p-20;
 
 /// Σ of three terms, and Σ|term|.
 struct Sum {
@@ -159,12 +151,23 @@ std::optional<glm::mat4> inverseAffine(const glm::mat4& m) {
             origin[row] = determinant(replaced);
         }
     }
+    std::optional<glm::mat4> result(std::in_place);
+    glm::mat4& inverted = *result;
     const auto entry = [reciprocal](double cofactor) { return static_cast<float>(cofactor * reciprocal); };
-    const glm::mat4 result(entry(rows[0].x), entry(rows[1].x), entry(rows[2].x), 0,  //
-                           entry(rows[0].y), entry(rows[1].y), entry(rows[2].y), 0,  //
-                           entry(rows[0].z), entry(rows[1].z), entry(rows[2].z), 0,  //
-                           entry(-origin[0]), entry(-origin[1]), entry(-origin[2]), 1);
-    return isFinite(result) ? std::optional(result) : std::nullopt;
+    float probe = 0;  // not a number if an entry is not finite
+    for (int column = 0; column < 3; ++column) {
+        for (int row = 0; row < 3; ++row) {
+            inverted[column][row] = entry(rows[row][column]);
+            probe += 0 * inverted[column][row];
+        }
+        inverted[column][3] = 0;
+        inverted[3][column] = entry(-origin[column]);
+        probe += 0 * inverted[3][column];
+    }
+    inverted[3][3] = 1;
+    if (probe != 0)
+        result.reset();
+    return result;
 }
 
 glm::mat4 inverseAffineNaive(const glm::mat4& m) {
@@ -216,7 +219,8 @@ std::optional<glm::mat4> inverse(const glm::mat4& m) {
     if (det == 0 || !std::isfinite(det))
         return std::nullopt;
     const double reciprocal = 1 / det;
-    glm::mat4 result;
+    std::optional<glm::mat4> result(std::in_place);
+    float probe = 0;  // not a number if an entry is not finite
     for (int column = 0; column < 4; ++column) {
         for (int row = 0; row < 4; ++row) {
             const Sum& sum = columns[column].row[row];
@@ -225,10 +229,14 @@ std::optional<glm::mat4> inverse(const glm::mat4& m) {
                 const double minor = determinant(minorOf(m, column, row));
                 cofactor = (column + row) % 2 == 0 ? minor : -minor;
             }
-            result[row][column] = static_cast<float>(cofactor * reciprocal);
+            const auto entry = static_cast<float>(cofactor * reciprocal);
+            (*result)[row][column] = entry;
+            probe += 0 * entry;
         }
     }
-    return isFinite(result) ? std::optional(result) : std::nullopt;
+    if (probe != 0)
+        result.reset();
+    return result;
 }
 
 glm::mat4 inverseNaive(const glm::mat4& m) {

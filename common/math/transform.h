@@ -28,11 +28,11 @@ glm::mat3 normalMatrixNaive(const glm::mat4& worldFromModel);
 /// no direction, or something is not finite. Held by NormalMatrix.*.
 std::optional<glm::vec3> transformNormal(const glm::mat4& worldFromModel, glm::vec3 normal);
 
-/// The inverse, every entry to 0.5 ulp + 2^-17 however badly conditioned: the adjugate over the determinant
-/// in double, whose 2×2 minors of floats do not cancel. Where the sums of larger ones cancel by more than 2^8
-/// they are taken from `determinant` of math/exact.h; else they are within 5 u 2^8. None if the matrix is
-/// singular (decided exactly), not finite, or if an entry of its inverse exceeds the range of float. Held by
-/// Inverse.*.
+/// The inverse, every entry to 0.53 ulp however badly conditioned: the adjugate over the determinant in
+/// double, whose 2×2 minors of floats do not cancel. Where the sums of larger ones cancel by more than 2^20
+/// they are taken from `determinant` of math/exact.h; else they and the determinant are within 5 · 2^-33 of
+/// themselves, 0.02 ulp together. None if the matrix is singular (decided exactly), not finite, or if an
+/// entry of its inverse exceeds the range of float. Held by Inverse.*.
 std::optional<glm::mat4> inverse(const glm::mat4& m);
 
 /// Adjugate over determinant, in float.

@@ -455,7 +455,7 @@ HardCaseFigures runNearPlane(std::uint64_t inputs, std::uint64_t seed) {
 }
 
 std::span<const HardCase> transformHardCases() {
-    constexpr double inverseBound = 0.5 + 0x1p-17;
+    constexpr double inverseBound = 0.53;
     static constexpr HardCase cases[] = {
         {"inverse", "placements scaled by 2^-62 … 2^62", "ulp", inverseBound,
          "adjugate over determinant in double", &runInverseUniform},
