@@ -192,6 +192,13 @@ Program::Built Program::build(const ProgramFiles& files, std::vector<FileStamp>&
     const GLuint name = built.handle.get();
     for (const auto& shader : shaders)
         glAttachShader(name, shader.get());
+    if (!files.feedback.empty()) {
+        std::vector<const char*> captured;
+        for (const std::string& output : files.feedback)
+            captured.push_back(output.c_str());
+        glTransformFeedbackVaryings(name, static_cast<GLsizei>(captured.size()), captured.data(),
+                                    GL_INTERLEAVED_ATTRIBS);
+    }
     glLinkProgram(name);
     GLint linked = GL_FALSE;
     glGetProgramiv(name, GL_LINK_STATUS, &linked);
@@ -360,7 +367,8 @@ const Program& ProgramCache::get(const ProgramFiles& files) {
         const ProgramFiles& other = program->files();
         return other.vertex == files.vertex && other.fragment == files.fragment &&
                other.geometry == files.geometry && other.defines == files.defines &&
-               other.blocks == files.blocks && other.samplers == files.samplers;
+               other.blocks == files.blocks && other.samplers == files.samplers &&
+               other.feedback == files.feedback;
     };
     const auto known = std::find_if(programs_.begin(), programs_.end(), same);
     if (known != programs_.end())

@@ -72,6 +72,7 @@ struct ProgramFiles {
     std::vector<std::pair<std::string, std::string>> defines = {};
     std::vector<BlockBinding> blocks = {};
     std::vector<SamplerBinding> samplers = {};
+    std::vector<std::string> feedback = {};  ///< outputs that transform feedback captures, interleaved
 };
 
 /// The state of a file on disk, to see later whether it changed.

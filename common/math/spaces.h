@@ -52,9 +52,10 @@ glm::vec3 homogenizeNaive(glm::vec4 p);
 
 /// The matrix that scales points uniformly by d > 0 (finite; a bug otherwise) through the division by w:
 /// diag(s, s, s, s / d) with s the largest power of two ≤ d, so that s / d is in (½, 1] and neither overflows
-/// nor vanishes. After `homogenize` a scaled point is within 1.5 ulp of x d, 2 ulp if the result is
-/// subnormal. Directions (w = 0) keep their w, so they are scaled by s alone and stay the same directions.
-/// Held by ScaleThroughW.*.
+/// nor vanishes. After `homogenize` a scaled point is within 1.5 ulp of x d (the rounding of s / d is worth
+/// less than 1), and where the result is below 2^-125 within 2.5, since x s may be subnormal already.
+/// Directions (w = 0) keep their w, so they are scaled by s alone and stay the same directions. Held by
+/// ScaleThroughW.*.
 glm::mat4 scaleThroughW(float d);
 
 /// diag(1, 1, 1, 1 / d).

@@ -155,23 +155,30 @@ void TransformsLab::drawScene(graph::PassContext& context, const glm::mat4& worl
     counters_["triangles"] += boat_.triangleCount();
 }
 
-void TransformsLab::drawPicture(graph::PassContext& context, const Frame& frame) {
+TransformsLab::PlacedView TransformsLab::placedView(const Frame& frame) const {
     const double away = static_cast<float>(worldOffset);
     const glm::dvec3 offset(away, 0, away);
     glm::dmat4 worldFromEye(frame.camera.worldFromCamera);
     glm::dmat4 worldFromModel(worldFromBoat());
     glm::dmat4 worldFromSea(worldFromSea_);
-    // Eye-relative: in a frame whose axes are the world's and whose origin is the eye.
-    const bool relative = precision.as<Precision>() == Precision::eyeRelative;
-    const glm::dvec3 origin = relative ? glm::dvec3(worldFromEye[3]) + offset : glm::dvec3(0);
     for (glm::dmat4* placed : {&worldFromEye, &worldFromModel, &worldFromSea})
-        (*placed)[3] += glm::dvec4(offset, 0) - glm::dvec4(origin, 0);
+        (*placed)[3] += glm::dvec4(offset, 0);
+    if (precision.as<Precision>() == Precision::eyeRelative) {
+        // A world of the same axes, whose origin is the eye: subtracted in double.
+        const glm::dvec4 eye(glm::dvec3(worldFromEye[3]), 0);
+        for (glm::dmat4* placed : {&worldFromEye, &worldFromModel, &worldFromSea})
+            (*placed)[3] -= eye;
+    }
     const glm::mat4 pose(worldFromEye);
     const float aspect = static_cast<float>(frame.width) / static_cast<float>(frame.height);
-    drawScene(context, glm::mat4(worldFromModel), glm::mat4(worldFromSea),
-              {.clipFromWorld = clipFromEye(aspect) * inverted(pose, inverse.as<Inverse>()),
-               .eyeWorld = glm::vec3(pose[3])},
-              true);
+    return {glm::mat4(worldFromModel), glm::mat4(worldFromSea),
+            clipFromEye(aspect) * inverted(pose, inverse.as<Inverse>()), glm::vec3(pose[3])};
+}
+
+void TransformsLab::drawPicture(graph::PassContext& context, const Frame& frame) {
+    const PlacedView placed = placedView(frame);
+    drawScene(context, placed.worldFromBoat, placed.worldFromSea,
+              {.clipFromWorld = placed.clipFromWorld, .eyeWorld = placed.eyeWorld}, true);
 }
 
 void TransformsLab::drawMarks(graph::PassContext& context, const Frame& frame, bool chosenOnly) {

@@ -54,13 +54,13 @@ class TransformsLab final : public Lab {
                      {"TRS", "TSR", "RTS", "RST", "STR", "SRT"},
                      intendedOrder,
                      "The product that places the boat, the leftmost acting last"};
-    FloatKnob translateX{knobs(), "translate-x", 0.3f, {-4, 4}, "units", "Carries the boat along x"};
+    FloatKnob translateX{knobs(), "translate-x", 0.7f, {-4, 4}, "units", "Carries the boat along x"};
     FloatKnob translateY{knobs(), "translate-y", 0, {-4, 4}, "units", "Lifts the boat"};
-    FloatKnob translateZ{knobs(), "translate-z", -0.3f, {-4, 4}, "units", "Carries the boat along z"};
-    FloatKnob heading{knobs(), "heading", -24, {-180, 180}, "degrees", "Turns the boat about its mast"};
+    FloatKnob translateZ{knobs(), "translate-z", -0.6f, {-4, 4}, "units", "Carries the boat along z"};
+    FloatKnob heading{knobs(), "heading", -38, {-180, 180}, "degrees", "Turns the boat about its mast"};
     FloatKnob heel{knobs(), "heel", 9, {-180, 180}, "degrees", "Leans the boat to starboard"};
-    FloatKnob scaleX{knobs(), "scale-x", 1.3f, {-3, 3}, "times", "Stretches the boat along its keel"};
-    FloatKnob scaleY{knobs(), "scale-y", 1, {-3, 3}, "times", "Stretches the boat along its mast"};
+    FloatKnob scaleX{knobs(), "scale-x", 1.45f, {-3, 3}, "times", "Stretches the boat along its keel"};
+    FloatKnob scaleY{knobs(), "scale-y", 0.9f, {-3, 3}, "times", "Stretches the boat along its mast"};
     FloatKnob scaleZ{knobs(), "scale-z", 1, {-3, 3}, "times", "Stretches the boat sideways"};
     FloatKnob shear{knobs(), "shear", 0, {-2, 2}, "times the height", "Rakes the boat's mast fore and aft"};
     BoolKnob mirror{knobs(), "mirror", false, "Exchanges port and starboard"};
@@ -92,6 +92,14 @@ class TransformsLab final : public Lab {
     /// The parts' placements in the boat.
     const std::vector<glm::mat4>& boatFromPart() const { return boatFromPart_; }
     BoatVertex chosenVertex() const { return vertices_[static_cast<std::size_t>(vertex.index())]; }
+    /// What the picture's shader gets: the knobs `precision` and `world-offset` at work.
+    struct PlacedView {
+        glm::mat4 worldFromBoat{1};
+        glm::mat4 worldFromSea{1};
+        glm::mat4 clipFromWorld{1};
+        glm::vec3 eyeWorld{0};
+    };
+    PlacedView placedView(const Frame& frame) const;
     /// The pose's inverse by the routine of a knob's choice; what has no inverse gives the identity.
     static glm::mat4 inverted(const glm::mat4& pose, Inverse routine);
 

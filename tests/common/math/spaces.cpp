@@ -78,7 +78,7 @@ TEST(Homogenize, NamesWhatIsNoPoint) {
     EXPECT_FALSE(isFinite(homogenizeNaive(glm::vec4(1e-30f, 0, 0, 0x1p-140f))));
 }
 
-// Bounds derived in the header; measured 1.42 and, for subnormal results, 1.66.
+// Bounds derived in the header; measured 1.42 and, below 2^-125, 2.2.
 TEST(ScaleThroughW, ScalesPointsByD) {
     StressInputs draw(2);
     double worst = 0;
@@ -96,7 +96,7 @@ TEST(ScaleThroughW, ScalesPointsByD) {
         most = std::max(most, ulpError(got.value.x, exact));
     }
     EXPECT_LE(worst, 1.5);
-    EXPECT_LE(worstSubnormal, 2);
+    EXPECT_LE(worstSubnormal, 2.5);
     EXPECT_DEATH(scaleThroughW(0), "d > 0");
     EXPECT_DEATH(scaleThroughW(infinity), "isfinite");
 }
