@@ -80,7 +80,7 @@ ColumnSums columnSums(const double* v, const double* w) {
              sumOf(v[0] * w[4], -v[1] * w[2], v[3] * w[0]), sumOf(-v[0] * w[3], v[1] * w[1], -v[2] * w[0])}};
 }
 
-void minorsOfTwo(const double* a, const double* b, double* minors) {
+[[gnu::always_inline]] inline void minorsOfTwo(const double* a, const double* b, double* minors) {
     minors[0] = a[0] * b[1] - a[1] * b[0];
     minors[1] = a[0] * b[2] - a[2] * b[0];
     minors[2] = a[0] * b[3] - a[3] * b[0];
@@ -91,6 +91,53 @@ void minorsOfTwo(const double* a, const double* b, double* minors) {
 
 bool isAffine(const glm::mat4& m) {
     return m[0].w == 0 && m[1].w == 0 && m[2].w == 0 && m[3].w == 1;
+}
+
+/// `inverse` of any matrix.
+std::optional<glm::mat4> inverseProjective(const glm::mat4& m) {
+    std::optional<glm::mat4> result;
+    double entries[4][4];
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            entries[column][row] = m[column][row];
+    double first[6];
+    double second[6];
+    minorsOfTwo(entries[0], entries[1], first);
+    minorsOfTwo(entries[2], entries[3], second);
+    const ColumnSums columns[4] = {columnSums(entries[1], second), columnSums(entries[0], second),
+                                   columnSums(entries[3], first), columnSums(entries[2], first)};
+    const double terms[6] = {first[0] * second[5], -first[1] * second[4], first[2] * second[3],
+                             first[3] * second[2], -first[4] * second[1], first[5] * second[0]};
+    double det = 0;
+    double magnitude = 0;
+    for (const double term : terms) {
+        det += term;
+        magnitude += std::abs(term);
+    }
+    if (std::abs(det) <= mostCancelled * magnitude)
+        det = determinant(m);
+    // Not finite exactly if an entry is not: each is in a minor of its two columns, and that in a term.
+    if (det == 0 || !std::isfinite(det))
+        return result;
+    const double reciprocal = 1 / det;
+    float* entriesOut = &result.emplace()[0][0];
+    float probe = 0;  // not a number if an entry is not finite
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 4; ++row) {
+            const Sum& sum = columns[column].row[row];
+            double cofactor = column % 2 == 0 ? sum.value : -sum.value;
+            if (sum.cancelled()) [[unlikely]] {
+                const double minor = determinant(minorOf(m, column, row));
+                cofactor = (column + row) % 2 == 0 ? minor : -minor;
+            }
+            const auto entry = static_cast<float>(cofactor * reciprocal);
+            entriesOut[4 * row + column] = entry;
+            probe += 0 * entry;
+        }
+    }
+    if (probe != 0)
+        result.reset();
+    return result;
 }
 
 }  // namespace
@@ -128,6 +175,7 @@ std::optional<glm::vec3> transformNormal(const glm::mat4& worldFromModel, glm::v
 }
 
 std::optional<glm::mat4> inverseAffine(const glm::mat4& m) {
+    std::optional<glm::mat4> result;  // the one object of all returns, so that it is written in place
     QX_CHECK(isAffine(m));
     const glm::dvec3 x(m[0]);
     const glm::dvec3 y(m[1]);
@@ -138,7 +186,7 @@ std::optional<glm::mat4> inverseAffine(const glm::mat4& m) {
     const double volume = sum.cancelled() ? determinant(glm::mat3(m)) : sum.value;
     // Not finite exactly if one of the nine entries is not.
     if (volume == 0 || !std::isfinite(volume))
-        return std::nullopt;
+        return result;
     const double reciprocal = 1 / volume;
     double origin[3];
     for (int row = 0; row < 3; ++row) {
@@ -151,20 +199,22 @@ std::optional<glm::mat4> inverseAffine(const glm::mat4& m) {
             origin[row] = determinant(replaced);
         }
     }
-    std::optional<glm::mat4> result(std::in_place);
-    glm::mat4& inverted = *result;
-    const auto entry = [reciprocal](double cofactor) { return static_cast<float>(cofactor * reciprocal); };
+    float* entries = &result.emplace()[0][0];
     float probe = 0;  // not a number if an entry is not finite
-    for (int column = 0; column < 3; ++column) {
-        for (int row = 0; row < 3; ++row) {
-            inverted[column][row] = entry(rows[row][column]);
-            probe += 0 * inverted[column][row];
-        }
-        inverted[column][3] = 0;
-        inverted[3][column] = entry(-origin[column]);
-        probe += 0 * inverted[3][column];
+    for (int row = 0; row < 3; ++row) {
+        const glm::dvec3 cofactors = rows[row];
+        const auto x0 = static_cast<float>(cofactors.x * reciprocal);
+        const auto y0 = static_cast<float>(cofactors.y * reciprocal);
+        const auto z0 = static_cast<float>(cofactors.z * reciprocal);
+        const auto t0 = static_cast<float>(-origin[row] * reciprocal);
+        entries[row] = x0;
+        entries[4 + row] = y0;
+        entries[8 + row] = z0;
+        entries[12 + row] = t0;
+        entries[4 * row + 3] = 0;
+        probe += (0 * x0 + 0 * y0) + (0 * z0 + 0 * t0);
     }
-    inverted[3][3] = 1;
+    entries[15] = 1;
     if (probe != 0)
         result.reset();
     return result;
@@ -193,50 +243,7 @@ glm::mat4 inverseRigidNaive(const glm::mat4& m) {
 }
 
 std::optional<glm::mat4> inverse(const glm::mat4& m) {
-    if (isAffine(m))
-        return inverseAffine(m);
-    double entries[4][4];
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row)
-            entries[column][row] = m[column][row];
-    double first[6];
-    double second[6];
-    minorsOfTwo(entries[0], entries[1], first);
-    minorsOfTwo(entries[2], entries[3], second);
-    const ColumnSums columns[4] = {columnSums(entries[1], second), columnSums(entries[0], second),
-                                   columnSums(entries[3], first), columnSums(entries[2], first)};
-    const double terms[6] = {first[0] * second[5], -first[1] * second[4], first[2] * second[3],
-                             first[3] * second[2], -first[4] * second[1], first[5] * second[0]};
-    double det = 0;
-    double magnitude = 0;
-    for (const double term : terms) {
-        det += term;
-        magnitude += std::abs(term);
-    }
-    if (std::abs(det) <= mostCancelled * magnitude)
-        det = determinant(m);
-    // Not finite exactly if an entry is not: each is in a minor of its two columns, and that in a term.
-    if (det == 0 || !std::isfinite(det))
-        return std::nullopt;
-    const double reciprocal = 1 / det;
-    std::optional<glm::mat4> result(std::in_place);
-    float probe = 0;  // not a number if an entry is not finite
-    for (int column = 0; column < 4; ++column) {
-        for (int row = 0; row < 4; ++row) {
-            const Sum& sum = columns[column].row[row];
-            double cofactor = column % 2 == 0 ? sum.value : -sum.value;
-            if (sum.cancelled()) [[unlikely]] {
-                const double minor = determinant(minorOf(m, column, row));
-                cofactor = (column + row) % 2 == 0 ? minor : -minor;
-            }
-            const auto entry = static_cast<float>(cofactor * reciprocal);
-            (*result)[row][column] = entry;
-            probe += 0 * entry;
-        }
-    }
-    if (probe != 0)
-        result.reset();
-    return result;
+    return isAffine(m) ? inverseAffine(m) : inverseProjective(m);
 }
 
 glm::mat4 inverseNaive(const glm::mat4& m) {
