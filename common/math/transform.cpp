@@ -75,7 +75,7 @@ struct ColumnSums {
     Sum row[4];
 };
 
-ColumnSums columnSums(const double* v, const double* w) {
+[[gnu::always_inline]] inline ColumnSums columnSums(const double* v, const double* w) {
     return {{sumOf(v[1] * w[5], -v[2] * w[4], v[3] * w[3]), sumOf(-v[0] * w[5], v[2] * w[2], -v[3] * w[1]),
              sumOf(v[0] * w[4], -v[1] * w[2], v[3] * w[0]), sumOf(-v[0] * w[3], v[1] * w[1], -v[2] * w[0])}};
 }
