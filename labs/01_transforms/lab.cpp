@@ -94,6 +94,8 @@ SpaceChain TransformsLab::chain(const Frame& frame) const {
 
 void TransformsLab::sayWhatIsIdle() {
     const View shown = view.as<View>();
+    for (FloatKnob* plane : {&nearPlane, &farPlane})
+        plane->setIdle(shown == View::orders ? "the orders are shown with planes of their own" : "");
     order.setIdle(shown == View::orders ? "all orders are shown" : "");
     vertex.setIdle(shown == View::spaces ? "" : "no vertex is marked here");
     const char* why = shown == View::picture ? "" : "for --view=picture only";

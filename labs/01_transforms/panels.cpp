@@ -119,7 +119,7 @@ void TransformsLab::drawSpaces(graph::PassContext& context, const Frame& frame, 
     const float reach = std::min(far, 3 * near + 12);
     const glm::mat4& pose = frame.camera.worldFromCamera;
     const glm::vec3 ahead = -glm::vec3(pose[2]);
-    const glm::vec3 middle = eyeWorld + 0.58f * reach * ahead;
+    const glm::vec3 middle = eyeWorld + 0.50f * reach * ahead;
     // From the side: the view's own right, a little from behind.
     const glm::vec3 side = normalizeOr(glm::vec3(pose[0]) - 0.25f * ahead, glm::vec3(1, 0, 0));
     const float sideDegrees = glm::degrees(std::atan2(side.x, side.z));
@@ -132,12 +132,12 @@ void TransformsLab::drawSpaces(graph::PassContext& context, const Frame& frame, 
                                          {"2  world = M · object",
                                           coordinates(at.world),
                                           glm::mat4(1),
-                                          {middle, 0.6f * reach, sideDegrees, 22},
+                                          {middle, 0.62f * reach, sideDegrees, 22},
                                           glm::vec3(at.world)},
                                          {"3  eye = V · world",
                                           coordinates(at.eye),
                                           spaces.eyeFromWorld,
-                                          {{0, 0, -0.58f * reach}, 0.6f * reach, 66, 20},
+                                          {{0, 0, -0.50f * reach}, 0.62f * reach, 66, 20},
                                           glm::vec3(at.eye)},
                                          {"4  clip = P · eye",
                                           coordinates(at.clip),
@@ -177,8 +177,10 @@ void TransformsLab::drawSpaces(graph::PassContext& context, const Frame& frame, 
                 lines_.axes(frame.camera.worldFromCamera, panel.line(2.0f));
         }
         if (!object && hasNdc && at.ndc.kind == HomogeneousKind::point) {
+            // From the eye, which is a point in all of these spaces but NDC.
             const glm::vec3 first =
-                divided(displayFromClip * glm::vec4(at.ndc.value.x, at.ndc.value.y, -1, 1));
+                i == 4 ? divided(displayFromClip * glm::vec4(at.ndc.value.x, at.ndc.value.y, -1, 1))
+                       : glm::vec3(space.displayFromWorld * glm::vec4(eyeWorld, 1));
             const glm::vec3 last = divided(displayFromClip * glm::vec4(at.ndc.value.x, at.ndc.value.y, 1, 1));
             lines_.segment(first, last, ray);
         }
