@@ -186,8 +186,8 @@ void addHull(Shipyard& yard) {
 
 void addRig(Shipyard& yard) {
     const Paint wood{.color = {0.55f, 0.33f, 0.13f}, .specular = 0.2f, .shininess = 50};
-    yard.add(tessellate(Capsule{0.036, 1.04}, 20, "mast"), wood, at(0.22f, 1.30f, 0));
-    yard.add(tessellate(Capsule{0.026, 0.58}, 16, "boom"), wood,
+    yard.add(tessellate(Capsule{0.036, 1.04}, 10, "mast"), wood, at(0.22f, 1.30f, 0));
+    yard.add(tessellate(Capsule{0.026, 0.58}, 9, "boom"), wood,
              at(-0.40f, 0.66f, 0.0f) * turned(90, {0, 0, 1}));
     constexpr int columns = 20;
     const auto main = [](double s, double t) {
@@ -265,7 +265,7 @@ Scene makeBoat() {
 
 Scene makeSea() {
     Shipyard yard;
-    yard.add(tessellate(Drum{3.1, 0.06, 0.05}, 128, "sea"),
+    yard.add(tessellate(Drum{3.1, 0.06, 0.05}, 72, "sea"),
              {.color = {0.035f, 0.19f, 0.24f}, .specular = 0.25f, .shininess = 60}, at(0, -0.06f, 0));
     const Scene boat = makeBoat();
     Scene sea = std::move(yard.scene);

@@ -553,7 +553,7 @@ std::vector<Measurement> measureChain(Studio& studio) {
             std::max({farthest, std::abs(pixel.x + 0.5 - window.x), std::abs(pixel.y + 0.5 - window.y)});
         depthError = std::max(depthError, std::abs(pixel.depth - window.z));
     }
-    return {{"vertices compared", static_cast<double>(compared), "", atLeast(8000)},
+    return {{"vertices compared", static_cast<double>(compared), "", atLeast(4000)},
             {"of these, whose pixel OpenGL left dark", static_cast<double>(dark), "", equals(0)},
             {"vertices too near a pixel's border to say", static_cast<double>(onBorders), "", {}},
             {"pixels lit", static_cast<double>(lit.size()), "", atLeast(1000)},

@@ -305,7 +305,7 @@ TEST_P(Transforms01, EveryViewIsFiniteAtTheEndsOfEveryKnob) {
                     EXPECT_THROW(studio_.linearPicture(*lab, frame(*lab, small)), InputError);
                     continue;
                 }
-                EXPECT_TRUE(test::isFinite(studio_.linearPicture(*lab, frame(*lab, small))))
+                EXPECT_TRUE(test::isFinite(studio_.linearPicture(*lab, frame(*lab, {48, 36}))))
                     << number->name() << "=" << end;
                 ++pictures;
             }
