@@ -142,7 +142,7 @@ class Lab {
     virtual void markIdleKnobs() {}
 
     /// The camera where the lab holds it itself, for the picture as its knobs say; none where the camera is
-    /// the frame's, and the person's.
+    /// the frame's, and the person's. Throws nothing; neither does `advance`.
     virtual std::optional<Camera> ownCamera() const { return {}; }
 
     /// For what moves or is driven, in a window. While `takesControls`, W A S D, E and Q and the arrows are

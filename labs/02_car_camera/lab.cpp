@@ -77,9 +77,21 @@ const PathPlayer* CarCameraLab::player() const {
     return &*player_;
 }
 
+bool CarCameraLab::pathCanBeRead() const {
+    try {
+        player();
+        return true;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
 CarState CarCameraLab::car() const {
-    if (const PathPlayer* played = player())
-        return played->at(static_cast<double>(time));
+    const PathPlayer* played = player();
+    return played == nullptr ? parkedCar() : played->at(static_cast<double>(time));
+}
+
+CarState CarCameraLab::parkedCar() const {
     CarState state;
     state.position = {static_cast<double>(carX), 0, static_cast<double>(carZ)};
     state.heading = AngleSum(glm::radians(static_cast<double>(heading)));
@@ -123,7 +135,8 @@ void CarCameraLab::markIdleKnobs() {
 std::optional<Camera> CarCameraLab::ownCamera() const {
     if (view.as<View>() == View::free)
         return {};
-    return cameraOf(car(), Frame{});
+    // A path that cannot be read is told when the picture is built.
+    return cameraOf(pathCanBeRead() ? car() : parkedCar(), Frame{});
 }
 
 Camera CarCameraLab::cameraOf(const CarState& state, const Frame& frame) const {
@@ -227,6 +240,8 @@ bool CarCameraLab::isMoving() const {
 }
 
 bool CarCameraLab::advance(double seconds, const HeldSeconds& held) {
+    if (!pathCanBeRead())
+        return false;
     seconds = std::clamp(seconds, 0.0, longestFrame);
     const bool hands = held != HeldSeconds{};
     const PathPlayer* played = player();

@@ -90,7 +90,11 @@ class CarCameraLab final : public Lab {
         bool operator==(const CarPlace&) const = default;
     };
 
+    /// None where no path is chosen. InputError if it cannot be read.
     const PathPlayer* player() const;
+    bool pathCanBeRead() const;
+    /// The car as the knobs say, whatever the path.
+    CarState parkedCar() const;
     CarPlace placeOf(const CarState& state) const;
     /// The knobs are where the keys put them.
     bool showsDriven() const;

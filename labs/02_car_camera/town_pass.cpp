@@ -104,7 +104,9 @@ void TownPass::addPasses(graph::FrameGraph& graph, const PictureTargets& targets
                    .reads = shadow ? std::vector{*shadow} : std::vector<graph::Resource>{},
                    .writes = {targets.color, targets.depth},
                    .execute = [this, params, shadow](graph::PassContext& context) {
-                       update(params.view);
+                       // With shadows the pass before has done so.
+                       if (!shadow)
+                           update(params.view);
                        glClear(GL_DEPTH_BUFFER_BIT);
                        ForwardParams forward = forwardParams(ground_, params.view.background);
                        if (shadow) {

@@ -134,6 +134,9 @@ TEST_P(CarCamera02, ThePathDecidesWhereTheCarIs) {
 
     lab_.path.parse((folder / "missing.json").string());
     EXPECT_THROW(studio_.linearPicture(lab_, frame(small)), InputError);
+    // What a window asks for between pictures throws nothing.
+    EXPECT_TRUE(lab_.ownCamera());
+    EXPECT_FALSE(lab_.advance(0.1, {.forwards = 0.1}));
     writeFile(folder / "broken.json", "{\"format\": 3}");
     lab_.path.parse((folder / "broken.json").string());
     EXPECT_THROW(studio_.linearPicture(lab_, frame(small)), InputError);
