@@ -235,6 +235,11 @@ void placeGimbal(Scene& scene, EulerAngles angles, EulerOrder order, bool rings)
     placeAeroplane(scene, firstPlanePart, carried);
 }
 
+void placeBody(Scene& scene, const glm::mat3& worldFromBody) {
+    placeGimbal(scene, {}, EulerOrder::zxy, false);
+    placeAeroplane(scene, firstPlanePart, glm::mat4(worldFromBody));
+}
+
 Scene makeFlightScene(std::size_t count) {
     Scene scene;
     scene.name = "flight";

@@ -25,6 +25,9 @@ Scene makeGimbalScene();
 /// flies alone.
 void placeGimbal(Scene& scene, EulerAngles angles, EulerOrder order, bool rings);
 
+/// The aeroplane alone, carried by any matrix.
+void placeBody(Scene& scene, const glm::mat3& worldFromBody);
+
 /// Radius of the ring of a gimbal: 0 outer, 1 middle, 2 inner.
 float ringRadius(int ring);
 

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "math/quaternion.h"
 #include "math/transform.h"
 #include "passes/targets.h"
 #include "scene/import.h"
@@ -86,12 +88,6 @@ Bounds RotationsLab::sceneBounds() const {
 }
 
 graph::Resource RotationsLab::build(graph::FrameGraph& graph, const Frame& frame) {
-    const View shown = view.as<View>();
-    for (FloatKnob* knob : {&fromHead, &fromPitch, &fromRoll, &t})
-        knob->setIdle(shown == View::interpolation ? "" : "only the interpolation has a start");
-    method.setIdle(shown == View::interpolation ? "" : "only the interpolation has a method");
-    renormalizeEvery.setIdle("only the sweep of drift multiplies turns");
-    rings.setIdle(shown == View::gimbal ? "" : "the other views need their rings, or have none");
     const PictureTargets targets =
         addPictureTargets(graph, {frame.pictureFormat, frame.width, frame.height, supersample});
     graph.addPass({.name = "rotations",
@@ -152,6 +148,12 @@ void RotationsLab::drawFrame(graph::PassContext& context, const Frame& frame, in
             const Panel panel = panelOf(frame, factor, column, 0, 2, 1);
             use(panel);
             drawGimbal(context, panel, column == 0 ? angles() : lockedAngles(), true);
+        }
+    } else if (shown == View::drift) {
+        for (int column = 0; column < 2; ++column) {
+            const Panel panel = panelOf(frame, factor, column, 0, 2, 1);
+            use(panel);
+            drawDrift(context, panel, column == 0 ? 0 : renormalizeEvery);
         }
     } else {
         const std::array<Method, 4> methods = {Method::euler, Method::matrix, Method::nlerp,
@@ -272,6 +274,55 @@ void RotationsLab::drawFlight(graph::PassContext& context, const Panel& panel, M
         say(name, {margin, margin}, 16, Labels::Anchor::topLeft, color, panel);
         say(fmt::format("{:.1f}° from slerp", angleToSlerp(path, way, t) / degree),
             {static_cast<float>(panel.width) - margin, margin}, 13, Labels::Anchor::topRight, white, panel);
+    }
+    finish(context, panel);
+}
+
+void RotationsLab::drawDrift(graph::PassContext& context, const Panel& panel, int every) {
+    if (drifts_.size() > 8)
+        drifts_.clear();
+    const auto found = drifts_.find(every);
+    const Drift& drift =
+        found != drifts_.end()
+            ? found->second
+            : drifts_.emplace(every, measureDrift(smallTurn({1, 2, 3}), every)).first->second;
+    // As a program would that takes |q| = 1 for granted.
+    placeBody(gimbal_.scene(), 2.0f * matrixFromQuaternionNaive(drift.last));
+    gimbal_.draw(context, panel.view);
+    counters_["triangles"] += gimbal_.triangleCount();
+
+    const glm::vec3 color = every == 0 ? lettering(0) : lettering(1);
+    const glm::vec2 size = panel.size();
+    const float margin = 12 * panel.unit;
+    const float height = 0.24f * size.y;
+    const float width = size.x - 2 * margin;
+    const glm::vec2 origin(margin, size.y - margin - 18 * panel.unit);
+    // From 1e-8 at the bottom to 1 at the top, a line for each factor of a hundred.
+    constexpr double lowest = -8;
+    const auto up = [&](double error) {
+        return origin.y - height * static_cast<float>(std::clamp(
+                                       (std::log10(std::max(error, 1e-12)) - lowest) / -lowest, 0.0, 1.0));
+    };
+    for (int power = -8; power <= 0; power += 2) {
+        const float y = up(std::pow(10.0, power));
+        lines_.segment({origin.x, y, 0}, {origin.x + width, y, 0}, {glm::vec4(faint, 0.7f), panel.unit});
+        if (notes)
+            say(fmt::format("1e{}", power), {origin.x, y}, 10, Labels::Anchor::bottomLeft, white, panel);
+    }
+    std::vector<glm::vec3> curve;
+    for (std::size_t i = 0; i < drift.byDoubles.size(); ++i)
+        curve.emplace_back(
+            origin.x + width * static_cast<float>(i) / static_cast<float>(drift.byDoubles.size() - 1),
+            up(drift.byDoubles[i]), 0);
+    lines_.polyline(curve, {glm::vec4(color, 1), 2.5f * panel.unit});
+    lines_.draw(context, {clipFromPixels(size), size, false});
+    if (notes) {
+        say(every == 0 ? "never made unit length" : fmt::format("made unit length every {} products", every),
+            {margin, margin}, 16, Labels::Anchor::topLeft, color, panel);
+        say(fmt::format("| |q| − 1 | up to {:.1e}", drift.largest), {margin, margin + 24 * panel.unit}, 14,
+            Labels::Anchor::topLeft, white, panel);
+        say("products: 1", {origin.x, size.y - margin}, 12, Labels::Anchor::bottomLeft, white, panel);
+        say("a million", {origin.x + width, size.y - margin}, 12, Labels::Anchor::bottomRight, white, panel);
     }
     finish(context, panel);
 }

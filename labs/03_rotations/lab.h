@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lab/lab.h"
+#include "labs/03_rotations/drift.h"
 #include "labs/03_rotations/gimbal.h"
 #include "labs/03_rotations/paths.h"
 #include "passes/forward.h"
@@ -16,7 +17,7 @@ namespace quincunx {
 /// Euler angles as three rings, the lock, and ways from one pose to another.
 class RotationsLab final : public Lab {
   public:
-    enum class View { gimbal, lock, interpolation };
+    enum class View { gimbal, lock, interpolation, drift };
 
     RotationsLab();
 
@@ -33,9 +34,9 @@ class RotationsLab final : public Lab {
 
     ChoiceKnob view{knobs(),
                     "view",
-                    {"gimbal", "lock", "interpolation"},
+                    {"gimbal", "lock", "interpolation", "drift"},
                     0,
-                    "Three rings; the rings free and locked; four ways from one pose to another"};
+                    "Three rings; free and locked; four ways from pose to pose; a million small turns"};
     ChoiceKnob order{knobs(),
                      "order",
                      {"xyz", "xzy", "yxz", "yzx", "zxy", "zyx"},
@@ -59,7 +60,7 @@ class RotationsLab final : public Lab {
     IntKnob renormalizeEvery{
         knobs(),    "renormalize-every",
         16,         {0, 1 << 20, true},
-        "products", "Small turns between renormalisations in the sweep of drift; 0: never"};
+        "products", "Small turns after which drift makes the quaternion unit length again; 0: never"};
     BoolKnob rings{knobs(), "rings", true, "Draw the gimbal around the aeroplane"};
     BoolKnob notes{knobs(), "notes", true, "Write names and figures into the picture"};
     IntKnob supersample{knobs(), "supersample", 2,
@@ -93,9 +94,11 @@ class RotationsLab final : public Lab {
     void drawFrame(graph::PassContext& context, const Frame& frame, int factor);
     void drawGimbal(graph::PassContext& context, const Panel& panel, EulerAngles angles, bool showAxes);
     void drawFlight(graph::PassContext& context, const Panel& panel, Method method);
+    void drawDrift(graph::PassContext& context, const Panel& panel, int every);
     void drawSpeed(graph::PassContext& context, const Panel& panel, Method method, glm::vec3 color);
 
     static constexpr std::size_t ghosts = 9;
+    std::map<int, Drift> drifts_;  ///< by products between renormalisations; of the knob's value, and never
     ForwardScene gimbal_;
     ForwardScene flight_;
     Lines lines_;

@@ -14,7 +14,6 @@ namespace quincunx {
 namespace {
 
 constexpr std::size_t pairCount = 4096;
-constexpr std::uint64_t turnCount = 1u << 20;
 
 /// Whole arrays: pairs of rotations, and what is exactly between them.
 struct Pairs {
@@ -174,35 +173,27 @@ Sweep driftSweep(RotationsLab& lab) {
         sweep.points.push_back({{"renormalize-every", std::to_string(every)}});
     sweep.measure = [&lab](Studio&, const Frame& frame) {
         StressInputs draw(frame.seed);
-        const glm::quat turn =
-            quaternionFromAxisAngle(draw.unitVector(), 0.01f).value_or(glm::quat(1, 0, 0, 0));
+        const glm::quat turn = smallTurn(draw.unitVector());
         const auto every = static_cast<std::uint64_t>(static_cast<int>(lab.renormalizeEvery));
-        const std::uint64_t stretch = every == 0 ? turnCount : every;
+        const std::uint64_t stretch = every == 0 ? driftProducts : every;
         SweepSample sample;
         volatile float kept = 0;
         timeWork(
             sample,
             [&] {
                 glm::quat q(1, 0, 0, 0);
-                for (std::uint64_t done = 0; done < turnCount; done += stretch) {
+                for (std::uint64_t done = 0; done < driftProducts; done += stretch) {
                     for (std::uint64_t i = 0; i < stretch; ++i)
-                        q = turn * q;
+                        q = productNaive(turn, q);
                     if (every > 0)
-                        q = glm::normalize(q);
+                        q = normalizeNaive(q);
                 }
                 kept = q.w;
             },
             5);
-        glm::quat q(1, 0, 0, 0);
-        for (std::uint64_t i = 1; i <= turnCount; ++i) {
-            q = turn * q;
-            // What a program would see: the length when it uses q.
-            if (every > 0 && i % every == 0)
-                q = glm::normalize(q);
-            sample.error = std::max(sample.error, std::abs(std::sqrt(squaredNorm(q)) - 1));
-        }
-        sample.counters["products"] = turnCount;
-        sample.counters["renormalisations"] = every > 0 ? turnCount / every : 0;
+        sample.error = measureDrift(turn, lab.renormalizeEvery).largest;
+        sample.counters["products"] = driftProducts;
+        sample.counters["renormalisations"] = every > 0 ? driftProducts / every : 0;
         return sample;
     };
     return sweep;

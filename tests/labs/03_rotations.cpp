@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(On, Rotations03, testing::Values(gl::Backend::osmesa, g
 
 TEST_P(Rotations03, EveryViewIsFiniteAndShowsSomethingInBothSizes) {
     for (const Size size : {small, large})
-        for (const int view : {0, 1, 2}) {
+        for (const int view : {0, 1, 2, 3}) {
             lab_.view.set(view);
             const Image image = picture(size);
             EXPECT_TRUE(isFinite(image));
@@ -233,21 +233,22 @@ TEST(Rotations03Paths, ErrorsShrinkWithEachLevel) {
     EXPECT_LE(last, 2e-5);
 }
 
-TEST(Rotations03Knobs, SayWhereTheyAreWithoutEffect) {
-    RotationsLab lab;
-    Studio studio(gl::Backend::egl);
-    for (const RotationsLab::View view :
-         {RotationsLab::View::gimbal, RotationsLab::View::lock, RotationsLab::View::interpolation}) {
-        lab.view.set(static_cast<int>(view));
-        (void)studio.picture(lab, studio.frame(lab, small.width, small.height));
-        EXPECT_EQ(lab.t.idle().empty(), view == RotationsLab::View::interpolation);
-        EXPECT_EQ(lab.rings.idle().empty(), view == RotationsLab::View::gimbal);
-        EXPECT_TRUE(lab.head.idle().empty());
+TEST(Rotations03Drift, ShrinksWithEveryRenormalisation) {
+    const glm::quat turn = smallTurn({1, 2, 3});
+    double last = 1;
+    for (const int every : {0, 4096, 64, 1}) {
+        const Drift drift = measureDrift(turn, every);
+        EXPECT_LT(drift.largest, last) << every;
+        EXPECT_EQ(drift.byDoubles.size(), 21u);
+        EXPECT_EQ(drift.byDoubles.back(), drift.largest);
+        EXPECT_TRUE(std::is_sorted(drift.byDoubles.begin(), drift.byDoubles.end()));
+        last = drift.largest;
     }
+    EXPECT_LE(last, 5e-7);
 }
 
 TEST(Rotations03Backends, OsmesaAndEglGiveTheSameBits) {
-    for (const int view : {0, 1, 2})
+    for (const int view : {0, 1, 2, 3})
         test::expectSameBitsOnBothBackends(
             [&] {
                 auto lab = std::make_unique<RotationsLab>();
@@ -293,7 +294,7 @@ TEST(Rotations03Mutations, EveryBrokenShaderIsNoticed) {
 
 TEST(Rotations03Goldens, LookAsTheyDid) {
     Studio studio(gl::Backend::egl);
-    for (const char* view : {"gimbal", "lock", "interpolation"}) {
+    for (const char* view : {"gimbal", "lock", "interpolation", "drift"}) {
         RotationsLab lab;
         lab.view.parse(view);
         test::expectGolden(studio.picture(lab, studio.frame(lab, 160, 120)), "03_rotations", view);
