@@ -92,7 +92,7 @@ SpaceChain TransformsLab::chain(const Frame& frame) const {
     return result;
 }
 
-void TransformsLab::sayWhatIsIdle() {
+void TransformsLab::markIdleKnobs() {
     const View shown = view.as<View>();
     for (FloatKnob* plane : {&nearPlane, &farPlane})
         plane->setIdle(shown == View::orders ? "the orders are shown with planes of their own" : "");
@@ -104,7 +104,6 @@ void TransformsLab::sayWhatIsIdle() {
 }
 
 graph::Resource TransformsLab::build(graph::FrameGraph& graph, const Frame& frame) {
-    sayWhatIsIdle();
     counters_.clear();
     const PictureTargets targets = addPictureTargets(
         graph,

@@ -32,6 +32,7 @@ class TransformsLab final : public Lab {
         return "spaces and matrices: object, world, eye, clip, NDC, window; orders; inverses";
     }
     graph::Resource build(graph::FrameGraph& graph, const Frame& frame) override;
+    void markIdleKnobs() override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
     std::vector<Question> questions() override;
@@ -114,7 +115,6 @@ class TransformsLab final : public Lab {
     /// Boat and sea, placed in a world of the caller's.
     void drawScene(graph::PassContext& context, const glm::mat4& worldFromBoat, const glm::mat4& worldFromSea,
                    const ForwardView& view, bool withSea);
-    void sayWhatIsIdle();
     glm::mat4 clipFromEye(float aspect) const;
 
     ForwardScene boat_;

@@ -45,6 +45,13 @@ void ShadowMapLab::useScene(Scene scene) {
     scene_ = std::make_unique<ForwardScene>(std::move(scene));
 }
 
+void ShadowMapLab::markIdleKnobs() {
+    pcfRadius.setIdle(filter.as<Filter>() == Filter::pcf ? "" : "for --filter=pcf");
+    cascades.setIdle(source.as<Source>() == Source::sun ? "" : "only the sun has cascades");
+    biasScale.setIdle(bias.as<ShadowBias>() == ShadowBias::none ? "there is no bias" : "");
+    supersample.setIdle(view.as<View>() == View::picture ? "" : "for --view=picture");
+}
+
 Camera ShadowMapLab::defaultCamera() const {
     if (builtIn_)
         return colonnade_.camera;

@@ -21,6 +21,7 @@ class ShadowMapLab final : public Lab {
 
     std::string topic() const override { return "shadow maps: bias, resolution, filtering, cascades"; }
     graph::Resource build(graph::FrameGraph& graph, const Frame& frame) override;
+    void markIdleKnobs() override;
     void useScene(Scene scene) override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;

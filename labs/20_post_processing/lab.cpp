@@ -16,6 +16,14 @@ void PostProcessingLab::useScene(Scene scene) {
     scene_ = std::make_unique<ForwardScene>(std::move(scene));
 }
 
+void PostProcessingLab::markIdleKnobs() {
+    place.setIdle(greyscale > 0 || grain > 0 ? "" : "there is neither grey nor grain");
+    const char* const withoutBlur = blurSize > 0 ? "" : "there is no blur";
+    blurMethod.setIdle(withoutBlur);
+    blurReach.setIdle(withoutBlur);
+    bloomSize.setIdle(bloom > 0 ? "" : "there is no bloom");
+}
+
 Camera PostProcessingLab::defaultCamera() const {
     if (builtIn_)
         return makeSpaceship(3).cameras.front();

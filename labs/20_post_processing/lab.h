@@ -20,6 +20,7 @@ class PostProcessingLab final : public Lab {
 
     std::string topic() const override { return "post-processing: greyscale, blur, bloom, tone curves"; }
     graph::Resource build(graph::FrameGraph& graph, const Frame& frame) override;
+    void markIdleKnobs() override;
     void useScene(Scene scene) override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override { return {{-3, -2, -2}, {3, 2, 2}}; }

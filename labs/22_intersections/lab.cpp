@@ -116,12 +116,15 @@ void IntersectionsLab::castPanels(const Frame& frame) {
     castState_ = std::move(state);
 }
 
-graph::Resource IntersectionsLab::build(graph::FrameGraph& graph, const Frame& frame) {
+void IntersectionsLab::markIdleKnobs() {
     triangleWay.setIdle(method.as<Method>() == Method::naive ? "" : "only the naive method has several");
     supersample.setIdle(view.as<View>() == View::map ? "the map has one ray a pixel" : "");
     const char* const withoutProbe = probe ? "" : "the shown ray is off";
     probeTurn.setIdle(withoutProbe);
     probeTilt.setIdle(withoutProbe);
+}
+
+graph::Resource IntersectionsLab::build(graph::FrameGraph& graph, const Frame& frame) {
     const graph::Resource picture =
         graph.addResource({"picture", frame.pictureFormat, frame.width, frame.height});
     const graph::Resource depth =

@@ -19,6 +19,7 @@ class IntersectionsLab final : public Lab {
 
     std::string topic() const override { return "rays and shapes: hits, normals, and where float is wrong"; }
     graph::Resource build(graph::FrameGraph& graph, const Frame& frame) override;
+    void markIdleKnobs() override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
     std::vector<Question> questions() override;
