@@ -21,11 +21,11 @@ namespace quincunx {
 
 /// tan(s φ) / tan φ for tan² φ = k in [0, 1] and s in [−1, 1], by the continued fraction
 ///   s / (1 + (1 − s²) k / (3 + (4 − s²) k / (5 + (9 − s²) k / (7 + …))))
-/// (Perron, "Die Lehre von den Kettenbrüchen", 1913, § 81, for z = i tan φ) cut off after `levels`. No term
-/// is negative, so nothing cancels and the values of successive levels enclose the limit. At k = 1, where it
-/// converges slowest, each level divides the error by (1 + √2)² = 5.83: 0.091 without any (T = s, nlerp),
-/// 2.6e-3 with two, 1.3e-5 with five, 3.3e-10 with eleven. Held by ChordParameter.*.
-/// The value is s · denominator / numerator.
+/// (Gauss's, for a quotient of hypergeometric functions; Wall, "Analytic Theory of Continued Fractions",
+/// 1948) cut off after `levels`. No term is negative, so nothing cancels and the values of successive levels
+/// enclose the limit. At k = 1, where it converges slowest, each level divides the error by (1 + √2)² = 5.83:
+/// 0.091 without any (T = s, nlerp), 2.6e-3 with two, 1.3e-5 with five, 3.3e-10 with eleven. Held by
+/// ChordParameter.*. The value is s · denominator / numerator.
 template <std::floating_point Float>
 struct ChordRatio {
     Float numerator = 1;
@@ -66,6 +66,7 @@ namespace interpolation {
 /// −1 if a·b < 0, exactly; else 1. The squares are those of the lengths.
 double nearerSign(glm::quat a, glm::quat b, double squaredA, double squaredB);
 
+/// Two quaternions, made ready.
 struct Ends {
     glm::dquat a;
     glm::dquat b;             ///< on the side of a
@@ -118,10 +119,10 @@ glm::quat atChord(const Ends& ends, double s) {
 }  // namespace interpolation
 
 /// Constant angular velocity along the shorter arc. Within 1.2e-7 rad of the exact rotation and within 5.4e-8
-/// of the unit sphere (rounding to float; the continued fraction adds 6e-10 rad), exactly `normalize(a)` or
-/// ±`normalize(b)` at the ends. For t outside [0, 1] the motion goes on, within 1.2e-7 + 2^-49 |t| rad. If a
-/// and b are the same rotation, that rotation for all t. None if one of them is zero or not finite, or t is
-/// not finite. Held by Slerp.*.
+/// of the unit sphere (rounding to float; the continued fraction adds 6e-10 rad); `normalize(a)` and
+/// ±`normalize(b)` at the ends, but for ties of rounding. For t outside [0, 1] the motion goes on,
+/// within 1.2e-7 + 2^-49 |t| rad. If a and b are the same rotation, that rotation for all t. None if one of
+/// them is zero or not finite, or t is not finite. Held by Slerp.*.
 inline std::optional<glm::quat> slerp(glm::quat a, glm::quat b, float t) {
     const double squaredA = squaredNorm(a);
     const double squaredB = squaredNorm(b);
