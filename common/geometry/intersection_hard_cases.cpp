@@ -188,6 +188,31 @@ HardCaseFigures runSphereBits(std::uint64_t inputs, std::uint64_t seed) {
     });
 }
 
+/// Doubles: a ball of radius 1, 2^20 … 2^50 away, passed within 1.2 radii.
+HardCaseFigures runSphereDouble(std::uint64_t inputs, std::uint64_t seed) {
+    StressInputs draw(seed);
+    Tally tally;
+    for (std::uint64_t i = 0; i < inputs; ++i) {
+        const DBall ball{draw.doubleVectorOfMagnitude(-2, 10), 1};
+        const glm::dvec3 away = draw.direction();
+        const glm::dvec3 origin = ball.centre + draw.magnitude(20, 50) * away;
+        const glm::dvec3 target = ball.centre + draw.random().uniform(0, 1.2) * draw.perpendicular(away);
+        const DRay ray{origin, target - origin};
+        const std::optional<Quad> exact = raySphereExact(ray, ball);
+        const auto error = [&](const std::optional<double>& got) {
+            if (got.has_value() != exact.has_value())
+                return infinity;
+            return got ? ulpError(*got, *exact) : 0;
+        };
+        tally.add(error(raySphereNaive(ray, ball)), error(raySphereDistance(ray, ball)), [&] {
+            return fmt::format("o=({:a},{:a},{:a}) d=({:a},{:a},{:a}) c=({:a},{:a},{:a})", ray.origin.x,
+                               ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z,
+                               ball.centre.x, ball.centre.y, ball.centre.z);
+        });
+    }
+    return tally.figures();
+}
+
 template <typename Draw>
 HardCaseFigures runCylinder(std::uint64_t inputs, std::uint64_t seed, const Draw& make) {
     StressInputs draw(seed);
@@ -740,6 +765,7 @@ constexpr std::array cases{
     HardCase{"ray-sphere", "from 2^-30 … 2^-4 of the radius off the surface", "ulp", halfUlp, sphereSource,
              &runSphereOnSurface},
     HardCase{"ray-sphere", "any finite floats", "ulp", halfUlp, sphereSource, &runSphereBits},
+    HardCase{"ray-sphere", "doubles: radius 1, 2^20 … 2^50 away", "ulp", 4, sphereSource, &runSphereDouble},
     HardCase{"ray-cylinder", "2^-70 … 1 radian from the axis", "ulp", halfUlp, filterSource,
              &runCylinderSteep},
     HardCase{"ray-cylinder", "parallel to the axis", "ulp", halfUlp, filterSource, &runCylinderParallel},

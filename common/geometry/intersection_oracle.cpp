@@ -11,11 +11,11 @@ namespace {
 
 using Exact3 = std::array<Expansion, 3>;
 
-Exact3 exactly(glm::vec3 v) {
+Exact3 exactly(glm::dvec3 v) {
     return {v.x, v.y, v.z};
 }
 
-Exact3 minus(glm::vec3 a, glm::vec3 b) {
+Exact3 minus(glm::dvec3 a, glm::dvec3 b) {
     return {Expansion::difference(a.x, b.x), Expansion::difference(a.y, b.y),
             Expansion::difference(a.z, b.z)};
 }
@@ -76,6 +76,11 @@ Polynomial sideOf(const Exact3& w, const Exact3& d, const Exact3& axis, const Ex
 }  // namespace
 
 std::optional<Quad> raySphereExact(const Ray& ray, const Ball& ball) {
+    return raySphereExact(DRay{glm::dvec3(ray.origin), glm::dvec3(ray.direction)},
+                          DBall{glm::dvec3(ball.centre), ball.radius});
+}
+
+std::optional<Quad> raySphereExact(const DRay& ray, const DBall& ball) {
     const Exact3 d = exactly(ray.direction);
     const Exact3 w = minus(ray.origin, ball.centre);
     Polynomial p;

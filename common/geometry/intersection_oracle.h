@@ -12,6 +12,8 @@
 namespace quincunx {
 
 std::optional<Quad> raySphereExact(const Ray& ray, const Ball& ball);
+/// Numbers that are not zero must be between 2^-200 and 2^200.
+std::optional<Quad> raySphereExact(const DRay& ray, const DBall& ball);
 
 /// The numbers that are not zero must be less than 2^100 apart.
 std::optional<Quad> rayCylinderExact(const Ray& ray, const Cylinder& cylinder);

@@ -23,7 +23,7 @@ struct ExactVector {
     Expansion z;
 };
 
-ExactVector exactDifference(glm::vec3 a, glm::vec3 b) {
+ExactVector exactDifference(glm::dvec3 a, glm::dvec3 b) {
     return {Expansion::difference(a.x, b.x), Expansion::difference(a.y, b.y),
             Expansion::difference(a.z, b.z)};
 }
@@ -98,7 +98,7 @@ inline Filtered nearestWithin(double middle, double half, double gap, double sca
     return {Verdict::open};
 }
 
-std::optional<Meeting> meetSphereExactly(const Ray& ray, const Ball& ball) {
+std::optional<Meeting> meetSphereExactly(const DRay& ray, const DBall& ball) {
     const ExactVector toCentre = exactDifference(ball.centre, ray.origin);
     const ExactVector direction = exact(ray.direction);
     const Expansion a = dot(direction, direction);
@@ -111,7 +111,7 @@ std::optional<Meeting> meetSphereExactly(const Ray& ray, const Ball& ball) {
         {b.approximate(), c.approximate(), a.approximate(), std::sqrt(discriminant.approximate())});
     if (!t)
         return std::nullopt;
-    return Meeting{*t, *t * glm::dvec3(ray.direction) - (glm::dvec3(ball.centre) - glm::dvec3(ray.origin))};
+    return Meeting{*t, *t * ray.direction - (ball.centre - ray.origin)};
 }
 
 /// Bounds, to first order in u, with |f|, |l| below their sums of magnitudes: a is off by 2u a; b by
@@ -144,7 +144,7 @@ inline std::optional<Meeting> meetSphere(const Ray& ray, const Ball& ball) {
         if (result.verdict == Verdict::miss)
             return std::nullopt;
     }
-    return meetSphereExactly(ray, ball);
+    return meetSphereExactly({glm::dvec3(ray.origin), d}, {glm::dvec3(ball.centre), r});
 }
 
 struct ExactCylinder {
@@ -498,20 +498,49 @@ std::optional<RayHit> raySphere(const Ray& ray, const Ball& ball) {
                   glm::vec3(normal)};
 }
 
-std::optional<float> raySphereNaive(const Ray& ray, const Ball& ball) {
-    const glm::vec3 oc = ray.origin - ball.centre;
-    const float a = glm::dot(ray.direction, ray.direction);
-    const float b = 2 * glm::dot(oc, ray.direction);
-    const float c = glm::dot(oc, oc) - ball.radius * ball.radius;
-    const float discriminant = b * b - 4 * a * c;
+std::optional<double> raySphereDistance(const DRay& ray, const DBall& ball) {
+    const glm::dvec3& d = ray.direction;
+    const glm::dvec3 f = ball.centre - ray.origin;
+    const double a = glm::dot(d, d);
+    if (!(a > 0)) [[unlikely]]
+        return std::nullopt;
+    // As for floats, with a rounding more in each product.
+    const glm::dvec3 l = f - glm::dot(d, f) / a * d;
+    const double far = sumOfMagnitudes(f);
+    const double squaredRadius = ball.radius * ball.radius;
+    const double gapError = u * ((16 * sumOfMagnitudes(l) + 0x1p-43 * far) * far + 6 * squaredRadius);
+    if (squaredRadius - glm::dot(l, l) < -gapError)
+        return std::nullopt;
+    const std::optional<Meeting> meeting = meetSphereExactly(ray, ball);
+    return meeting ? std::optional(meeting->t) : std::nullopt;
+}
+
+namespace {
+
+template <typename T>
+std::optional<T> sphereByFormula(const glm::vec<3, T>& oc, const glm::vec<3, T>& d, T radius) {
+    const T a = glm::dot(d, d);
+    const T b = 2 * glm::dot(oc, d);
+    const T c = glm::dot(oc, oc) - radius * radius;
+    const T discriminant = b * b - 4 * a * c;
     if (discriminant < 0)
         return std::nullopt;
-    const float root = std::sqrt(discriminant);
-    const float nearer = (-b - root) / (2 * a);
+    const T root = std::sqrt(discriminant);
+    const T nearer = (-b - root) / (2 * a);
     if (nearer >= 0)
         return nearer;
-    const float farther = (-b + root) / (2 * a);
+    const T farther = (-b + root) / (2 * a);
     return farther >= 0 ? std::optional(farther) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<float> raySphereNaive(const Ray& ray, const Ball& ball) {
+    return sphereByFormula<float>(ray.origin - ball.centre, ray.direction, ball.radius);
+}
+
+std::optional<double> raySphereNaive(const DRay& ray, const DBall& ball) {
+    return sphereByFormula<double>(ray.origin - ball.centre, ray.direction, ball.radius);
 }
 
 std::optional<double> rayCylinderDistance(const Ray& ray, const Cylinder& cylinder) {

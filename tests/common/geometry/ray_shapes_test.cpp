@@ -126,6 +126,33 @@ TEST(RayShapes, SphereIsMetWhereRationalsSay) {
     EXPECT_GT(hits, 3000);
 }
 
+TEST(RayShapes, SphereOfDoublesIsMetWhereRationalsSay) {
+    StressInputs draw(30);
+    int hits = 0;
+    for (int i = 0; i < 6000; ++i) {
+        const DBall ball{draw.doubleVectorOfMagnitude(-3, i % 2 == 0 ? 3 : 60), draw.magnitude(-3, 3)};
+        const glm::dvec3 origin =
+            ball.centre + ball.radius * draw.magnitude(-2, i % 3 == 0 ? 50 : 2) * draw.direction();
+        const glm::dvec3 target =
+            ball.centre + draw.random().uniform(0, 1.3) * ball.radius * draw.direction();
+        const DRay ray{origin, draw.magnitude(-9, 9) * (target - origin)};
+        if (ray.direction == glm::dvec3(0))
+            continue;
+        const RationalVector w = RationalVector(ray.origin) - RationalVector(ball.centre);
+        const RationalVector d(ray.direction);
+        const std::optional<Real> exact =
+            firstOf({dot(d, d), dot(d, w), dot(w, w) - Rational(ball.radius) * Rational(ball.radius)});
+        const std::optional<double> got = raySphereDistance(ray, ball);
+        ASSERT_EQ(got.has_value(), exact.has_value()) << i;
+        ASSERT_EQ(raySphereExact(ray, ball).has_value(), exact.has_value()) << i;
+        hits += exact.has_value();
+        if (exact && *exact != 0) {
+            EXPECT_LE(ulpError(*got, *exact), 4) << i;
+        }
+    }
+    EXPECT_GT(hits, 2000);
+}
+
 TEST(RayShapes, CylinderIsMetWhereRationalsSay) {
     StressInputs draw(32);
     int hits = 0;
@@ -386,8 +413,8 @@ TEST(RayShapes, DegenerateInputHasADocumentedAnswer) {
     EXPECT_EQ(raySphere(up, {{0, 0, 5}, 0})->normal, glm::vec3(0, 0, -1));
     EXPECT_FALSE(raySphereDistance(up, {{0x1p-100f, 0, 5}, 0}));
     // From the surface.
-    EXPECT_EQ(raySphereDistance({{0, 0, 1}, {0, 0, 1}}, {{0, 0, 0}, 1}), 0.0);
-    EXPECT_EQ(raySphereDistance({{0, 0, 1}, {1, 0, 0}}, {{0, 0, 0}, 1}), 0.0);
+    EXPECT_EQ(raySphereDistance(Ray{{0, 0, 1}, {0, 0, 1}}, Ball{{0, 0, 0}, 1}), 0.0);
+    EXPECT_EQ(raySphereDistance(Ray{{0, 0, 1}, {1, 0, 0}}, Ball{{0, 0, 0}, 1}), 0.0);
     EXPECT_EQ(rayBox({{1, 0, 0}, {1, 0, 0}}, {{-1, -1, -1}, {1, 1, 1}})->exit, 0.0);
     EXPECT_EQ(rayBoxSurface({{1, 0, 0}, {0, 1, 0}}, {{-1, -1, -1}, {1, 1, 1}})->t, 0.0);
     EXPECT_EQ(rayPlaneDistance({{3, 0, 4}, {1, 0, 0}}, {{0, 1, 0}, 0}), 0.0);
@@ -400,7 +427,7 @@ TEST(RayShapes, AnyFiniteFloatsGiveFiniteAnswers) {
         const auto finite = [](const std::optional<double>& t) {
             return !t || (std::isfinite(*t) && *t >= 0);
         };
-        EXPECT_TRUE(finite(raySphereDistance(ray, {draw.finiteVector(), std::abs(draw.finiteFloat())})));
+        EXPECT_TRUE(finite(raySphereDistance(ray, Ball{draw.finiteVector(), std::abs(draw.finiteFloat())})));
         EXPECT_TRUE(finite(rayCylinderDistance(
             ray, {draw.finiteVector(), draw.finiteVector(), std::abs(draw.finiteFloat())})));
         EXPECT_TRUE(finite(rayCappedCylinderDistance(
