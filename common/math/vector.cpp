@@ -152,10 +152,11 @@ glm::vec3 mirrorDirectionNaive(glm::vec3 awayFromSurface, glm::vec3 unitNormal) 
 }
 
 std::optional<glm::vec3> halfVector(glm::vec3 wi, glm::vec3 wo) {
+    std::optional<glm::vec3> result;  // the one object of all returns, so that it is written in place
     const double squaredWi = sumOfSquares(wi);
     const double squaredWo = sumOfSquares(wo);
     if (!(squaredWi > 0 && squaredWo > 0 && squaredWi < infinity && squaredWo < infinity))
-        return std::nullopt;
+        return result;
     // (wi/|wi| + wo/|wo|) |wi| |wo|² / |wo|, by one root. Between 2^-447 and 2^386 a component.
     const double both = std::sqrt(squaredWi * squaredWo);
     glm::dvec3 half = squaredWo * glm::dvec3(wi) + both * glm::dvec3(wo);
@@ -167,9 +168,12 @@ std::optional<glm::vec3> halfVector(glm::vec3 wi, glm::vec3 wo) {
         half = glm::cross(crossInDouble(wi, wo), unitWi - unitWo);
         squared = sumOfSquares(half);  // between 2^-596 and 2^518 if not zero
         if (!(squared > 0))
-            return std::nullopt;
+            return result;
     }
-    return glm::vec3(half * (1 / std::sqrt(squared)));
+    const double reciprocal = 1 / std::sqrt(squared);
+    result.emplace(static_cast<float>(half.x * reciprocal), static_cast<float>(half.y * reciprocal),
+                   static_cast<float>(half.z * reciprocal));
+    return result;
 }
 
 glm::vec3 halfVectorNaive(glm::vec3 unitWi, glm::vec3 unitWo) {
