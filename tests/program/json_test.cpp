@@ -50,8 +50,7 @@ TEST_F(ProgramJson, OfListNamesLabsTopicsAndQuestions) {
         std::find_if(labs.begin(), labs.end(), [](const json& lab) { return lab["lab"] == "10_shading"; });
     ASSERT_NE(shading, labs.end());
     const json& questions = (*shading)["questions"];
-    EXPECT_EQ(std::set<int>(questions.begin(), questions.end()),
-              (std::set<int>{32, 37, 90, 105, 113, 114}));
+    EXPECT_EQ(std::set<int>(questions.begin(), questions.end()), (std::set<int>{32, 37, 90, 105, 113, 114}));
 }
 
 TEST_F(ProgramJson, OfAskHoldsQuestionAnswerAndMeasurements) {

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "math/transform_hard_cases.h"
 #include "math/rigid_motion_hard_cases.h"
 #include "math/rotation_hard_cases.h"
+#include "math/transform_hard_cases.h"
 
 namespace quincunx {
 namespace {
