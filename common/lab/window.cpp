@@ -499,9 +499,13 @@ class LabWindow {
             faultIsShader_ = false;
         }
         // A pass that failed may have left anything switched on.
-        for (const GLenum capability : {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_CULL_FACE, GL_BLEND})
+        for (const GLenum capability :
+             {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_CULL_FACE, GL_BLEND, GL_DEPTH_CLAMP, GL_POLYGON_OFFSET_FILL})
             glDisable(capability);
+        glCullFace(GL_BACK);
         glFrontFace(GL_CCW);
+        glDepthFunc(GL_LESS);
+        glDepthMask(GL_TRUE);
         uiFrames_ = std::max(uiFrames_, framesAfterEvent);
         return false;
     }

@@ -10,14 +10,6 @@
 namespace quincunx {
 namespace {
 
-gl::ProgramFiles variantOf(gl::ProgramFiles files, bool doubleSided) {
-    if (files.blocks.empty())
-        files.blocks = SceneBuffers::bindings();
-    if (doubleSided)
-        files.defines.emplace_back("DOUBLE_SIDED", "");
-    return files;
-}
-
 void drawBackground(graph::PassContext& context) {
     context.programs()
         .get({.label = "background",
@@ -37,6 +29,11 @@ gl::ProgramFiles phongProgram(bool blinnPhong) {
     return files;
 }
 
+gl::ProgramFiles doubleSidedVariant(gl::ProgramFiles program) {
+    program.defines.emplace_back("DOUBLE_SIDED", "");
+    return program;
+}
+
 void drawForward(graph::PassContext& context, const SceneBuffers& buffers, const ForwardParams& params) {
     QX_CHECK_EQ(params.doubleSided.size(), buffers.instanceCount());
     QX_CHECK_EQ(params.mirrored.size(), buffers.instanceCount());
@@ -46,12 +43,15 @@ void drawForward(graph::PassContext& context, const SceneBuffers& buffers, const
 
     buffers.bindVertices();
     glEnable(GL_DEPTH_TEST);
+    gl::ProgramFiles program = params.program;
+    if (program.blocks.empty())
+        program.blocks = SceneBuffers::bindings();
     bool clockwise = false;
     for (const bool doubleSided : {false, true}) {
         if (std::find(params.doubleSided.begin(), params.doubleSided.end(), doubleSided) ==
             params.doubleSided.end())
             continue;
-        context.programs().get(variantOf(params.program, doubleSided)).use();
+        context.programs().get(doubleSided ? doubleSidedVariant(program) : program).use();
         if (!doubleSided)
             glEnable(GL_CULL_FACE);
         for (std::size_t i = 0; i < buffers.instanceCount(); ++i) {
@@ -77,68 +77,85 @@ ForwardView forwardView(const Camera& camera, float aspect) {
             glm::vec3(camera.worldFromCamera[3])};
 }
 
-ForwardParams ForwardScene::update(const glm::mat4& clipFromWorld, glm::vec3 eyeWorld) {
+ForwardScene::Placed ForwardScene::place() {
     if (!buffers_)
         buffers_.emplace(scene_, SceneBuffers::Layout::shared);
-    ForwardParams params;
-    std::vector<ObjectBlock> objects;
+    Placed placed;
     for (const Instance& instance : scene_.instances) {
         const Material& material = scene_.materials[instance.material];
-        objects.push_back(makeObjectBlock(material, instance.worldFromModel));
-        params.doubleSided.push_back(material.doubleSided);
-        params.mirrored.push_back(determinant(glm::mat3(instance.worldFromModel)) < 0);
+        placed.objects.push_back(makeObjectBlock(material, instance.worldFromModel));
+        placed.params.doubleSided.push_back(material.doubleSided);
+        placed.params.mirrored.push_back(determinant(glm::mat3(instance.worldFromModel)) < 0);
     }
-    buffers_->update(makeFrameBlock(scene_, scene_.lights, clipFromWorld, eyeWorld), objects);
-    return params;
+    return placed;
 }
 
 void ForwardScene::draw(graph::PassContext& context, const ForwardView& view,
                         const gl::ProgramFiles& program) {
-    ForwardParams params = update(view.clipFromWorld, view.eyeWorld);
-    params.program = program;
-    params.background = view.background;
-    drawForward(context, *buffers_, params);
+    Placed placed = place();
+    buffers_->update(makeFrameBlock(scene_, scene_.lights, view.clipFromWorld, view.eyeWorld),
+                     placed.objects);
+    placed.params.program = program;
+    placed.params.background = view.background;
+    drawForward(context, *buffers_, placed.params);
 }
 
 void ForwardScene::bindFrame(const ForwardView& view) {
-    update(view.clipFromWorld, view.eyeWorld);
+    const Placed placed = place();
+    buffers_->update(makeFrameBlock(scene_, scene_.lights, view.clipFromWorld, view.eyeWorld),
+                     placed.objects);
     buffers_->bindFrame();
 }
 
 void ForwardScene::drawDepth(graph::PassContext& context, const glm::mat4& clipFromWorld, bool backFaces) {
-    const ForwardParams params = update(clipFromWorld, glm::vec3(0));
+    const Placed placed = place();
+    buffers_->updateObjects(placed.objects);
+    const auto isCutOut = [this](std::size_t i) {
+        return scene_.materials[scene_.instances[i].material].alphaMode == Material::AlphaMode::mask;
+    };
+    bool anyCutOut = false;
+    for (std::size_t i = 0; i < buffers_->instanceCount(); ++i)
+        anyCutOut = anyCutOut || isCutOut(i);
+    gl::ProgramFiles files{.label = "shadow map",
+                           .vertex = "passes/shadow_map.vert",
+                           .fragment = "passes/shadow_map.frag",
+                           .blocks = SceneBuffers::bindings()};
+    const gl::Program* const whole = &context.programs().get(files);
+    files.defines.emplace_back("CUT_OUT", "");
+    const gl::Program* const cutOut = anyCutOut ? &context.programs().get(files) : nullptr;
+
     buffers_->bindVertices();
     glEnable(GL_DEPTH_TEST);
-    for (const bool cutOut : {false, true}) {
-        const gl::Program* program = nullptr;
+    if (backFaces)
+        glCullFace(GL_FRONT);
+    bool culls = false;
+    bool clockwise = false;
+    for (const gl::Program* program : {whole, cutOut}) {
+        if (program == nullptr)
+            continue;
+        program->set("shadowClipFromWorld", clipFromWorld);
+        program->use();
         for (std::size_t i = 0; i < buffers_->instanceCount(); ++i) {
-            const Material& material = scene_.materials[scene_.instances[i].material];
-            if ((material.alphaMode == Material::AlphaMode::mask) != cutOut)
+            if (isCutOut(i) != (program == cutOut))
                 continue;
-            if (program == nullptr) {
-                gl::ProgramFiles files{.label = "shadow map",
-                                       .vertex = "passes/shadow_map.vert",
-                                       .fragment = "passes/shadow_map.frag",
-                                       .blocks = SceneBuffers::bindings()};
-                if (cutOut)
-                    files.defines.emplace_back("CUT_OUT", "");
-                program = &context.programs().get(files);
-                program->use();
-                program->set("shadowClipFromWorld", clipFromWorld);
+            const bool cull = !isCutOut(i) && !placed.params.doubleSided[i];
+            if (cull != culls) {
+                culls = cull;
+                cull ? glEnable(GL_CULL_FACE) : glDisable(GL_CULL_FACE);
             }
-            if (!cutOut && !params.doubleSided[i]) {
-                glEnable(GL_CULL_FACE);
-                glCullFace(backFaces ? GL_FRONT : GL_BACK);
-                glFrontFace(params.mirrored[i] ? GL_CW : GL_CCW);
-            } else {
-                glDisable(GL_CULL_FACE);
+            if (placed.params.mirrored[i] != clockwise) {
+                clockwise = placed.params.mirrored[i];
+                glFrontFace(clockwise ? GL_CW : GL_CCW);
             }
             buffers_->draw(i);
         }
     }
-    glDisable(GL_CULL_FACE);
-    glCullFace(GL_BACK);
-    glFrontFace(GL_CCW);
+    if (culls)
+        glDisable(GL_CULL_FACE);
+    if (clockwise)
+        glFrontFace(GL_CCW);
+    if (backFaces)
+        glCullFace(GL_BACK);
     glDisable(GL_DEPTH_TEST);
 }
 

@@ -11,6 +11,9 @@ namespace quincunx {
 /// Phong shading with Blinn's highlight (`blinnPhong`) or Phong's mirrored light.
 gl::ProgramFiles phongProgram(bool blinnPhong = true);
 
+/// The program for instances whose back is lit as well.
+gl::ProgramFiles doubleSidedVariant(gl::ProgramFiles program);
+
 struct ForwardParams {
     /// Its blocks are SceneBuffers' where it names none. `DOUBLE_SIDED` is defined for instances that are.
     gl::ProgramFiles program = phongProgram();
@@ -55,8 +58,13 @@ class ForwardScene {
     std::size_t triangleCount() const { return scene_.triangleCount(); }
 
   private:
-    /// Sends the instances' blocks, and tells how they are drawn.
-    ForwardParams update(const glm::mat4& clipFromWorld, glm::vec3 eyeWorld);
+    /// How the instances are drawn, and what shaders read of them.
+    struct Placed {
+        ForwardParams params;
+        std::vector<ObjectBlock> objects;
+    };
+    /// Makes the buffers if there are none yet.
+    Placed place();
 
     Scene scene_;
     std::optional<SceneBuffers> buffers_;

@@ -148,7 +148,7 @@ void Labels::plate(glm::vec2 topLeftPixels, glm::vec2 sizePixels, glm::vec4 colo
 }
 
 Labels::Font& Labels::font(float sizePixels) {
-    const int size = static_cast<int>(std::lround(std::clamp(sizePixels, 4.0f, 512.0f)));
+    const int size = static_cast<int>(std::lround(std::clamp(sizePixels, 4.0f, 128.0f)));
     std::unique_ptr<Font>& font = fonts_[size];
     if (!font)
         font = std::make_unique<Font>(size);

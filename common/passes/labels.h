@@ -22,7 +22,7 @@ class Labels {
     /// Which point of the text lies at its position.
     enum class Anchor { topLeft, topRight, bottomLeft, bottomRight, center, topCenter, bottomCenter };
     struct Style {
-        float sizePixels = 16;          ///< height of a line, of the target; 4 … 512, rounded
+        float sizePixels = 16;          ///< height of a line, of the target; 4 … 128, rounded
         glm::vec4 color{1};             ///< linear RGB, not multiplied with the opacity in a
         glm::vec4 backing{0, 0, 0, 0};  ///< a plate behind the text; opacity 0: none
         Anchor anchor = Anchor::topLeft;

@@ -168,7 +168,8 @@ int factorOf(BlurMethod method) {
 /// The deviation that the Gaussian between averaging and enlarging must have, in texels of the small picture.
 double sigmaOfReduced(double sigma, int factor) {
     const double f2 = static_cast<double>(factor) * factor;
-    return std::sqrt(std::max(sigma * sigma - (f2 - 1) / 12 - f2 / 6, 1e-4)) / factor;
+    constexpr double minVariance = 1e-4;  // of a blur that leaves every texel as it is
+    return std::sqrt(std::max(sigma * sigma - f2 / 4, minVariance)) / factor;
 }
 
 }  // namespace

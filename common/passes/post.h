@@ -32,8 +32,9 @@ struct BlurParams {
     float sigmaPixels = 4;  ///< > 0
     float reach = 3;        ///< the radius r is ⌈reach σ⌉, 128 texels at most
 };
-/// Smaller pictures lend the blur their own: averaging f × f texels adds the variance (f² − 1)/12, enlarging
-/// bilinearly f²/6, and the Gaussian between makes up the rest; none is left for σ below some 0.5 f.
+/// Smaller pictures lend the blur their own: averaging f × f texels and enlarging bilinearly
+/// together add the variance f²/4 (of pixels at their centres), and the Gaussian between makes up the rest; a
+/// σ below 0.5 f becomes 0.5 f.
 graph::Resource addBlurPasses(graph::FrameGraph& graph, graph::Resource picture, const BlurParams& params,
                               const std::string& name = "blurred");
 /// The weights of texels 0 … r away, r = ⌈reach σ⌉ within 1 … 128; over both sides they sum to 1 within

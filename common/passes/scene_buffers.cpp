@@ -203,11 +203,15 @@ SceneBuffers::SceneBuffers(const Scene& scene, Layout layout)
 }
 
 void SceneBuffers::update(const FrameBlock& frame, const std::vector<ObjectBlock>& objects) {
-    QX_CHECK_EQ(objects.size(), draws_.size());
     if (!(frame == frame_)) {
         frame_ = frame;
         frameBuffer_.upload(std::as_bytes(std::span(&frame_, 1)));
     }
+    updateObjects(objects);
+}
+
+void SceneBuffers::updateObjects(const std::vector<ObjectBlock>& objects) {
+    QX_CHECK_EQ(objects.size(), draws_.size());
     const bool same = objects.size() == objects_.size() &&
                       std::memcmp(objects.data(), objects_.data(), objects.size() * sizeof(ObjectBlock)) == 0;
     if (!same) {

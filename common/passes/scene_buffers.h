@@ -78,6 +78,8 @@ class SceneBuffers {
 
     /// Sends what has changed since the last frame.
     void update(const FrameBlock& frame, const std::vector<ObjectBlock>& objects);
+    /// The same for programs that read no frame block.
+    void updateObjects(const std::vector<ObjectBlock>& objects);
     /// Binds the frame's uniform block.
     void bindFrame() const;
     /// Binds the vertices; then `draw` each instance with the program in use.

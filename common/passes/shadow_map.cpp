@@ -84,9 +84,12 @@ std::vector<double> splitDistances(double near, double far, int count) {
 /// A box's view along the light: x and y of `wanted`, depths of `casters`.
 glm::mat4 boxView(const glm::mat3& worldFromLight, const Box& wanted, const Box& casters) {
     // A box without extent would have no matrix: it gets a little of the casters' size.
-    const double size = std::max(glm::length(casters.max - casters.min), 1e-6);
+    const double extent = glm::length(casters.max - casters.min);
+    const double size = extent > 0 ? extent : 1;
     const auto range = [&](double low, double high) {
-        const double margin = std::max(0.0, 1e-3 * size - (high - low)) / 2;
+        // As floats the two ends must differ: 2^-22 of them is two of their roundings on either side.
+        const double rounding = 0x1p-22 * std::max(std::abs(low), std::abs(high));
+        const double margin = std::max(rounding, (1e-3 * size - (high - low)) / 2);
         return std::pair(static_cast<float>(low - margin), static_cast<float>(high + margin));
     };
     const auto [left, right] = range(wanted.min.x, wanted.max.x);
@@ -119,6 +122,8 @@ ShadowViews directionalViews(const Light& light, const Scene& casters, const Bou
     const glm::mat3 basis(lookAt(glm::vec3(0), light.direction, {0, 1, 0}));
     const glm::dmat3 lightFromWorld = glm::transpose(glm::dmat3(basis));
     const Box all = boundsAlong(casters, glm::mat3(lightFromWorld));
+    if (!std::isfinite(glm::length(all.max - all.min)))
+        return {ShadowViews::Kind::cascades, {}};
     double farthest = camera.nearDistance;
     for (const glm::vec3& corner : cornersOf(bounds))
         farthest = std::max(farthest, distanceAlongView(camera, glm::dvec3(corner)));
@@ -184,13 +189,15 @@ ShadowViews cubeViews(const Light& light, const Bounds& casters, const ShadowMap
 /// What a tile's constant bias is worth: one texel's width along the light, in normalized depth.
 float depthOfTexel(const ShadowViews& views, int resolution) {
     const glm::mat4& clip = views.views.front().clipFromWorld;
-    if (views.kind != ShadowViews::Kind::cascades)
-        return 1e-3f / static_cast<float>(resolution);
     // NDC runs over 2 in x and in depth: a texel is 2/resolution of x, the rows' lengths turn it into world
     // units and into depth.
     const auto rowLength = [&](int row) {
         return length(glm::vec3(clip[0][row], clip[1][row], clip[2][row]));
     };
+    // A perspective view's texel grows with the distance and its depth flattens with the square of it; at the
+    // far plane, where near/far is 1e-3, one is worth 2e-3 / (rowLength(0) resolution).
+    if (views.kind != ShadowViews::Kind::cascades)
+        return 2e-3f / (rowLength(0) * static_cast<float>(resolution));
     return rowLength(2) / rowLength(0) / static_cast<float>(resolution);
 }
 
@@ -219,9 +226,6 @@ ShadowBlock makeBlock(const ShadowMap::Lookup& lookup) {
     const bool plane = params.bias == ShadowBias::receiverPlane;
     if (params.bias == ShadowBias::constant && !views.empty())
         block.bias.x = params.biasScale * depthOfTexel(lookup.views, params.resolution);
-    else if (plane)
-        // Depths are rounded to float on either side of the comparison: two units of 2^-24 near 1.
-        block.bias.x = 0x1p-23f;
     block.bias.y = plane ? params.biasScale : 0;
     block.bias.z = 1 / static_cast<float>(params.resolution);
     block.mode = {static_cast<int>(lookup.views.kind), static_cast<int>(views.size()),
@@ -238,6 +242,11 @@ ShadowViews fitShadowViews(const Light& light, const Scene& casters, const Camer
     const bool directional = light.kind == Light::Kind::directional;
     const Bounds bounds = casters.bounds();
     if (!isUsable(bounds) || (light.kind != Light::Kind::point && !normalize(light.direction)))
+        return {directional ? ShadowViews::Kind::cascades : ShadowViews::Kind::single, {}};
+    const bool placed =
+        directional || (isFinite(light.position) && std::isfinite(reachOf(light.position, bounds).second));
+    const bool open = light.kind != Light::Kind::spot || light.outerConeRadians > 0;
+    if (!placed || !open)
         return {directional ? ShadowViews::Kind::cascades : ShadowViews::Kind::single, {}};
     if (directional)
         return directionalViews(light, casters, bounds, camera, aspect, params.cascades);
@@ -262,7 +271,11 @@ void ShadowMap::draw(graph::PassContext& context, ForwardScene& casters, const S
     const bool offset = params.bias == ShadowBias::slope;
     if (offset) {
         glEnable(GL_POLYGON_OFFSET_FILL);
-        glPolygonOffset(1.1f * params.biasScale, 4 * params.biasScale);
+        // A tap's texel was sampled up to `reach` texels away along s and t: reach (|a| + |b|) <= 2 reach
+        // max(|a|, |b|), the slope that OpenGL multiplies. One unit is one rounding of the map's depth; two
+        // are compared.
+        const float reach = static_cast<float>(params.radius) + (params.bilinear ? 1.0f : 0.5f);
+        glPolygonOffset(2 * reach * params.biasScale, 2 * params.biasScale);
     }
     for (std::size_t i = 0; i < views.views.size(); ++i) {
         const int tile = static_cast<int>(i);
@@ -281,11 +294,11 @@ void ShadowMap::drawShadowed(graph::PassContext& context, ForwardScene& scene, c
     const ShadowMapParams& params = lookup.params;
     const ShadowBlock block = makeBlock(lookup);
     const auto bytes = std::as_bytes(std::span(&block, 1));
-    if (!block_) {
+    if (!block_)
         block_.emplace("shadow block", GL_UNIFORM_BUFFER, bytes, GL_DYNAMIC_DRAW);
-    } else {
+    else if (!std::equal(bytes.begin(), bytes.end(), sent_.begin(), sent_.end()))
         block_->upload(bytes);
-    }
+    sent_.assign(bytes.begin(), bytes.end());
     block_->bindUniform(shadowBinding, 0, sizeof(ShadowBlock));
     lookup.map.bind(shadowUnit);
     const GLenum filter = params.bilinear ? GL_LINEAR : GL_NEAREST;

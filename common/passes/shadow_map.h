@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -82,6 +83,7 @@ class ShadowMap {
 
   private:
     std::optional<gl::Buffer> block_;
+    std::vector<std::byte> sent_;  ///< what the block holds
 };
 
 }  // namespace quincunx

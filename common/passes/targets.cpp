@@ -12,7 +12,7 @@ namespace quincunx {
 
 PictureTargets addPictureTargets(graph::FrameGraph& graph, const PictureParams& params) {
     QX_CHECK_GE(params.factor, 1);
-    constexpr int maxSide = 16384;  // texels that drivers of OpenGL 3.3 and newer hold along a side
+    constexpr int maxSide = 16384;  // texels along a side, as today's drivers hold them
     const int factor = params.factor;
     if (factor > 1 && std::max(params.width, params.height) > maxSide / factor)
         throw InputError(fmt::format("{}x{} with {} samples along a side is too large", params.width,

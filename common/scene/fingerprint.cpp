@@ -88,7 +88,7 @@ std::uint64_t fingerprint(const Scene& scene) {
     for (const Camera& c : scene.cameras)
         mix.values(c.worldFromCamera, c.fovYRadians, c.nearDistance, c.farDistance);
     mix.values(scene.ambientLight, scene.backgroundTop, scene.backgroundBottom);
-    return mix.state();
+    return std::max<std::uint64_t>(mix.state(), 1);
 }
 
 }  // namespace quincunx

@@ -17,7 +17,7 @@ namespace {
 constexpr float degree = std::numbers::pi_v<float> / 180;
 /// Where the sun stands, about the upright axis, when its knob is at zero.
 constexpr float sunAzimuthRadians = 52 * degree;
-constexpr int mostAtlasTexels = 16384;  // along a side, as drivers of OpenGL 3.3 and newer hold them
+constexpr int mostAtlasTexels = 16384;  // along a side, as today's drivers hold them
 
 void showMap(graph::PassContext& context, const gl::Texture2D& map, const Frame& frame, bool evenDepths) {
     constexpr int unit = 1;
@@ -74,9 +74,8 @@ Light ShadowMapLab::currentLight() const {
         return light;
     // A built-in scene is lit from just outside the colonnade, an imported one from as far in its own
     // measure.
-    const Bounds bounds = sceneBounds();
-    const glm::vec3 centre = builtIn_ ? glm::vec3(0, 1.2f, 0) : bounds.centre();
-    const float distance = builtIn_ ? 11.0f : 2.2f * bounds.radius();
+    const glm::vec3 centre = builtIn_ ? glm::vec3(0, 1.2f, 0) : bounds_.centre();
+    const float distance = builtIn_ ? 11.0f : 2.2f * bounds_.radius();
     if (source.as<Source>() == Source::lamp) {
         light.kind = Light::Kind::point;
         // Inside: shadows in every direction.
@@ -169,9 +168,11 @@ Lab::ReferenceJob ShadowMapLab::reference(const Frame& frame) const {
     StillLife exact = colonnade_;
     exact.lights = {currentLight()};
     return [exact, frame, factor = static_cast<int>(supersample)](const std::atomic<bool>& stop) {
-        return boxDownsample(traceReference(exact, frame.camera, frame.width * factor, frame.height * factor,
-                                            {.shadows = true}, glm::mat4(1), &stop),
-                             factor);
+        return boxDownsample(
+            traceReference(exact, frame.camera, frame.width * factor, frame.height * factor,
+                           {.reflection = PhongModel::Reflection::blinnPhong, .shadows = true}, glm::mat4(1),
+                           &stop),
+            factor);
     };
 }
 

@@ -1,5 +1,7 @@
 #include "labs/20_post_processing/lab.h"
 
+#include <algorithm>
+
 #include "passes/targets.h"
 #include "scene/import.h"
 #include "scene/spaceship.h"
@@ -31,6 +33,11 @@ Camera PostProcessingLab::defaultCamera() const {
     return scene.cameras.empty() ? frameBounds(scene.bounds(), composedAspect) : scene.cameras.front();
 }
 
+Bounds PostProcessingLab::sceneBounds() const {
+    // The ship without its planet and stars.
+    return builtIn_ ? Bounds{{-3, -2, -2}, {3, 2, 2}} : scene_->scene().bounds();
+}
+
 void PostProcessingLab::prepareScene() {
     if (!builtIn_ || builtTessellation_ == tessellation)
         return;
@@ -49,14 +56,21 @@ void PostProcessingLab::drawScene(graph::PassContext& context, const Frame& fram
                            .vertex = "passes/fullscreen.vert",
                            .fragment = "labs/20_post_processing/space.frag",
                            .blocks = SceneBuffers::bindings()};
-    for (gl::ProgramFiles* program : {&files, &space})
-        if (inside) {
+    const auto setFilm = [&](const gl::ProgramFiles& program) {
+        const gl::Program& built = context.programs().get(program);
+        built.set("greyscale", greyscale);
+        built.set("octaves", static_cast<int>(grain));
+        built.set("samplesPerPixel", static_cast<float>(factor));
+    };
+    if (inside) {
+        for (gl::ProgramFiles* program : {&files, &space}) {
             program->defines.emplace_back("FILM_INSIDE", "");
-            const gl::Program& built = context.programs().get(*program);
-            built.set("greyscale", greyscale);
-            built.set("octaves", static_cast<int>(grain));
-            built.set("samplesPerPixel", static_cast<float>(factor));
+            setFilm(*program);
         }
+        const std::vector<Material>& materials = scene_->scene().materials;
+        if (std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.doubleSided; }))
+            setFilm(doubleSidedVariant(files));
+    }
     ForwardView view =
         forwardView(frame.camera, static_cast<float>(frame.width) / static_cast<float>(frame.height));
     view.background = false;

@@ -23,7 +23,7 @@ class PostProcessingLab final : public Lab {
     void markIdleKnobs() override;
     void useScene(Scene scene) override;
     Camera defaultCamera() const override;
-    Bounds sceneBounds() const override { return {{-3, -2, -2}, {3, 2, 2}}; }
+    Bounds sceneBounds() const override;
     std::vector<Question> questions() override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;

@@ -149,8 +149,6 @@ std::vector<Sweep> PostProcessingLab::sweeps() {
         blurSize.set(sigma);
         supersample.set(1);
         bloom.set(0);
-        // Engines burn far above white: they would be all of the error.
-        exposure.set(0);
         Frame exact = frame;
         exact.pictureFormat = graph::Format::rgba32f;
         const Image seen = studio.resource(*this, exact, "scene");

@@ -45,6 +45,8 @@ float litShare(vec3 positionWorld, vec3 planeNormal) {
 #endif
     vec2 slopes = shadowBias.y > 0.0 ? receiverSlopes(worldFromShadow[view], positionWorld, planeNormal) : vec2(0.0);
     float depth = place.z - shadowBias.x - shadowBias.y * receiverPlaneBias(slopes, reach);
+    if (shadowBias.y > 0.0)
+        depth -= shadowRounding(shadowFromWorld[view], positionWorld);
     vec4 tile = shadowTiles[view];
     int radius = shadowMode.w;
     float lit = 0.0;
@@ -54,7 +56,7 @@ float litShare(vec3 positionWorld, vec3 planeNormal) {
             vec2 offset = texel * vec2(x, y);
             vec2 st = clamp(place.xy + offset, vec2(reach), vec2(1.0 - reach));
             float tapDepth = clamp(depth + dot(slopes, st - place.xy), 0.0, 1.0);
-            lit += texture(shadowMap, vec3(tile.xy + tile.zw * st, tapDepth));
+            lit += textureLod(shadowMap, vec3(tile.xy + tile.zw * st, tapDepth), 0.0);
         }
     float side = float(2 * radius + 1);
     return lit / (side * side);

@@ -30,6 +30,16 @@ QUINCUNX_INLINE float receiverPlaneBias(vec2 slopes, float reach) {
     return reach * (abs(slopes.x) + abs(slopes.y));
 }
 
+// How far rounding moves a depth, for the comparison with the map: 2^-24 of the terms that it is summed from, four times
+// in each of the two products (the map's vertices and this point) and in how each position came about: 2^-20.
+QUINCUNX_INLINE float shadowRounding(mat4 shadowFromWorld_, vec3 positionWorld) {
+    vec4 position = vec4(positionWorld, 1.0f);
+    vec4 depths = vec4(shadowFromWorld_[0].z, shadowFromWorld_[1].z, shadowFromWorld_[2].z, shadowFromWorld_[3].z);
+    vec4 ws = vec4(shadowFromWorld_[0].w, shadowFromWorld_[1].w, shadowFromWorld_[2].w, shadowFromWorld_[3].w);
+    float terms = dot(abs(depths), abs(position)) + dot(abs(ws), abs(position));
+    return 9.5367431640625e-7f * terms / dot(ws, position);
+}
+
 // Which of a cube's faces a direction falls on: +x −x +y −y +z −z; the earlier axis where two are as long.
 QUINCUNX_INLINE int cubeFace(vec3 d) {
     vec3 a = abs(d);

@@ -16,7 +16,7 @@ QUINCUNX_INLINE float reinhardFactor(float l, float white) {
 }
 
 // A fit of the ACES reference curve by a quotient of quadratics (Narkowicz 2015), for x >= 0. Above 1 both are divided
-// by x² first, which would overflow from 2^64 on. Within 6 units of 2^-24 of the exact quotient, relative.
+// by x² first, which would overflow from 2^64 on. Within 8 units of 2^-24 of the exact quotient, relative.
 QUINCUNX_INLINE float filmicCurve(float x) {
     if (x <= 1.0f)
         return (x * (2.51f * x + 0.03f)) / (x * (2.43f * x + 0.59f) + 0.14f);

@@ -30,7 +30,8 @@ void main() {
     for (int i = 1; i <= radius; i += 2) {
         float near = weights[i];
         float far = i < radius ? weights[i + 1] : 0.0;
-        float place = float(i) + far / (near + far);
+        // Far from the middle of a narrow Gaussian both are zero.
+        float place = float(i) + (near + far > 0.0 ? far / (near + far) : 0.0);
         sum += (near + far) * (texture(picture, centre + place * texel) + texture(picture, centre - place * texel));
     }
     color = sum;

@@ -16,7 +16,8 @@ void main() {
     vec3 sum = vec3(0.0);
     for (int y = 0; y < factor; ++y)
         for (int x = 0; x < factor; ++x) {
-            vec3 c = texelFetch(picture, min(corner + ivec2(x, y), size - 1), 0).rgb;
+            // The largest half: light that overflowed one is infinite, and infinity over itself is nothing.
+            vec3 c = min(texelFetch(picture, min(corner + ivec2(x, y), size - 1), 0).rgb, vec3(65504.0));
             float light = luminance(c);
             sum += light > threshold ? c * ((light - threshold) / light) : vec3(0.0);
         }

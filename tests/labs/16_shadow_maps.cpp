@@ -5,10 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/random.h"
+#include "gl/calls.h"
 #include "image/compare.h"
 #include "lab/studio.h"
 #include "labs/16_shadow_maps/lab.h"
 #include "labs/16_shadow_maps/mask_figures.h"
+#include "math/transform.h"
+#include "math/vector.h"
 #include "tests/labs/lab_test.h"
 
 namespace quincunx {
@@ -339,6 +343,98 @@ TEST(ShadowMaps16Sweeps, ErrorsFallWithTheMap) {
         EXPECT_EQ(sample.counters.at("map texels"), static_cast<std::uint64_t>(resolution) * resolution);
         last = sample.error;
     }
+}
+
+TEST(ShadowMaps16Reference, UsesTheReflectionModelOfThePicture) {
+    Studio studio(gl::Backend::egl);
+    ShadowMapLab lab;
+    lab.supersample.set(1);
+    lab.tessellation.set(96);
+    lab.resolution.set(2048);
+    lab.source.parse("lamp");
+    const Frame frame = studio.frame(lab, 240, 180);
+    const Image reference = lab.reference(frame)(std::atomic<bool>(false));
+    // Blinn's highlights against Blinn's: measured 0.0079; against Phong's 0.034.
+    EXPECT_LE(rmse(reference, studio.linearPicture(lab, frame)), 0.015);
+}
+
+/// A square exactly across the sun's light at `centre`, and a small one farther on, so that depths differ.
+Scene acrossTheLight(glm::vec3 towardsSun, glm::vec3 centre) {
+    Scene scene;
+    scene.meshes.push_back({.name = "square",
+                            .positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
+                            .normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
+                            .texcoords = {},
+                            .indices = {0, 1, 2, 0, 2, 3}});
+    scene.materials.emplace_back();
+    glm::mat4 place(basisAround(towardsSun).value());
+    place[3] = glm::vec4(centre, 1);
+    scene.instances.push_back({"square", 0, 0, place});
+    glm::mat4 behind = place;
+    behind[3] -= glm::vec4(8.0f * towardsSun, 0);
+    for (int axis = 0; axis < 2; ++axis)
+        behind[axis] *= 0.1f;
+    scene.instances.push_back({"behind", 0, 0, behind});
+    Camera camera;
+    camera.worldFromCamera =
+        lookAt(centre + 3.0f * glm::normalize(towardsSun + glm::vec3(0.4f, 0.3f, -0.5f)), centre, {0, 1, 0});
+    scene.cameras.push_back(camera);
+    return scene;
+}
+
+// The receiver's slopes are zero there, and what is left of the bias must cover the rounding of depths, which
+// grows with the distance from the world's origin.
+TEST(ShadowMaps16Rounding, SurfacesAcrossTheLightDoNotShadeThemselvesFarFromTheOrigin) {
+    Studio studio(gl::Backend::egl);
+    Random random(3);
+    for (const float away : {0.0f, 3.0f, 30.0f, 300.0f})
+        for (int i = 0; i < 6; ++i) {
+            ShadowMapLab lab;
+            lab.sunHeight.set(static_cast<float>(random.uniform(5, 85)));
+            lab.sunTurn.set(static_cast<float>(random.uniform(-180, 180)));
+            const glm::vec3 centre =
+                away * glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+            lab.useScene(acrossTheLight(-lab.currentLight().direction, centre));
+            lab.view.parse("mask");
+            lab.supersample.set(1);
+            const Image mask = studio.linearPicture(lab, studio.frame(lab, 160, 120));
+            std::size_t dark = 0;
+            std::size_t surface = 0;
+            for (std::size_t p = 0; p < mask.pixelCount(); ++p)
+                if (mask.data[4 * p] == mask.data[4 * p + 1]) {  // the background is not grey
+                    ++surface;
+                    dark += mask.data[4 * p] < 0.5f;
+                }
+            // Measured 0.003 at most: outlines of the square. With a bias of 2^-23 whatever the place: 0.22
+            // at a distance of 3, 0.45 at 30, 0.79 at 300.
+            EXPECT_LE(static_cast<double>(dark), 0.01 * static_cast<double>(surface)) << away;
+        }
+}
+
+TEST(ShadowMaps16Calls, AFrameThatIsLikeTheLastSendsNothing) {
+    Studio studio(gl::Backend::egl);
+    for (const char* source : {"sun", "lamp"}) {
+        ShadowMapLab lab;
+        lab.source.parse(source);
+        const Frame frame = studio.frame(lab, 64, 48);
+        studio.time(lab, frame, 3, 0);
+        const gl::CallRecorder recorder;
+        studio.time(lab, frame, 1, 0);
+        EXPECT_EQ(recorder.calls().count("glBufferData"), 0u) << source;
+    }
+}
+
+TEST(ShadowMaps16Calls, CullingIsSetOnlyWhereItChanges) {
+    Studio studio(gl::Backend::egl);
+    ShadowMapLab lab;
+    lab.source.parse("lamp");
+    const Frame frame = studio.frame(lab, 64, 48);
+    studio.time(lab, frame, 3, 0);
+    const gl::CallRecorder recorder;
+    studio.time(lab, frame, 1, 0);
+    // Six views and the picture, in a scene without mirrored or double-sided instances.
+    EXPECT_EQ(recorder.calls().count("glCullFace"), 0u);
+    EXPECT_EQ(recorder.calls().count("glFrontFace"), 0u);
 }
 
 }  // namespace

@@ -17,7 +17,12 @@ in vec2 texcoord;
 out vec4 color;
 
 void main() {
-    color = textureShade(shade(positionWorld, safeNormalize(normalWorld)), texcoord);
+    vec3 normal = safeNormalize(normalWorld);
+#ifdef DOUBLE_SIDED
+    if (!gl_FrontFacing)
+        normal = -normal;
+#endif
+    color = textureShade(shade(positionWorld, normal), texcoord);
 #ifdef FILM_INSIDE
     vec2 pixel = floor(gl_FragCoord.xy / samplesPerPixel) + 0.5;
     color.rgb = asFilm(color.rgb, pixel, greyscale, octaves);
