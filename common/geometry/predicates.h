@@ -11,7 +11,8 @@
 /// predicates", Discrete Comput. Geom. 18, 1997).
 ///
 /// Each predicate has its textbook form beside it, `...Naive`, for `stress` and the tests alone.
-/// Coordinates must be finite; with others, a sign means nothing.
+/// Coordinates that are not finite are a bug of the caller: floats get a sign that means nothing, doubles
+/// stop the program.
 namespace quincunx {
 
 namespace detail {

@@ -1,8 +1,11 @@
 #include "geometry/polygon_tests.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>

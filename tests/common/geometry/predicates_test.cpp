@@ -1,7 +1,10 @@
 #include "geometry/predicates.h"
 
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 
 #include <gtest/gtest.h>
