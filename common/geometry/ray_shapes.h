@@ -48,8 +48,8 @@ std::optional<RayHit> raySphere(const Ray& ray, const Ball& ball);
 std::optional<double> raySphereDistance(const Ray& ray, const Ball& ball);
 
 /// The same for double data whose numbers are 0 or between 2^-200 and 2^200 in magnitude: decided exactly, t
-/// to 4 ulp of double. What the bound on rounding does not let go as a miss is computed with expansions: a
-/// microsecond.
+/// to 6 ulp of double (6 u: c and the denominator of c / (b + √D) by 2 u and 3 u, the quotient). What the
+/// bound on rounding does not let go as a miss is computed with expansions: a microsecond.
 std::optional<double> raySphereDistance(const DRay& ray, const DBall& ball);
 
 /// (−b ± √(b² − 4ac)) / 2a of |o + t d − c|² = r² in float (or double); the first that is not negative.
