@@ -122,14 +122,18 @@ TEST_P(EveryLab, HasAWindowWhoseKnobsFollowTheirControlsAndRightClickPutsThemBac
                          middle);
         }
     };
-    // Choices last, the first of them at the very end: they are what leaves others without effect.
+    // Numbers first; then switches and choices, the first declared at the very end: they are what leaves
+    // others without effect.
     lab->markIdleKnobs();
+    const auto isNumber = [&](std::size_t i) {
+        return dynamic_cast<IntKnob*>(knobs[i]) != nullptr || dynamic_cast<FloatKnob*>(knobs[i]) != nullptr;
+    };
     std::vector<std::size_t> operated;
     for (std::size_t i = 0; i < knobs.size(); ++i)
-        if (knobs[i]->idle().empty() && dynamic_cast<ChoiceKnob*>(knobs[i]) == nullptr)
+        if (knobs[i]->idle().empty() && isNumber(i))
             operated.push_back(i);
     for (std::size_t i = knobs.size(); i-- > 0;)
-        if (knobs[i]->idle().empty() && dynamic_cast<ChoiceKnob*>(knobs[i]) != nullptr)
+        if (knobs[i]->idle().empty() && !isNumber(i))
             operated.push_back(i);
     EXPECT_GE(2 * operated.size(), knobs.size());
     for (const std::size_t i : operated)
