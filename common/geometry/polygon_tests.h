@@ -15,7 +15,8 @@
 /// geometry/predicates.h alone.
 ///
 /// Beside them stand the ways of the textbooks in float arithmetic, `...Naive`, for `stress`, sweeps, and the
-/// tests.
+/// tests. Exactness costs 0.8 to 1.5 times those, 3 times for the fan of triangles and for rays; winding
+/// numbers take a sixth of the sum of angles (bench_polygon).
 namespace quincunx {
 
 enum class PointLocation { outside, boundary, inside };

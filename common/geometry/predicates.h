@@ -10,6 +10,9 @@
 /// is summed without error (Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
 /// predicates", Discrete Comput. Geom. 18, 1997).
 ///
+/// That costs 1.2 times the textbook's form in float for points in the plane, 1.4 to 1.6 times for the others
+/// (bench_polygon).
+///
 /// Each predicate has its textbook form beside it, `...Naive`, for `stress` and the tests alone.
 /// Coordinates that are not finite are a bug of the caller: floats get a sign that means nothing, doubles
 /// stop the program.

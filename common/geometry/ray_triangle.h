@@ -22,6 +22,9 @@
 /// No hit, by definition: rays in the triangle's plane, triangles without area (also those of a mesh: their
 /// neighbours close the gap), the direction zero, and anything that is not finite.
 ///
+/// What exactness costs against Möller–Trumbore in float (bench_ray_triangle): 1.75 times for a ray at a
+/// time, 1.4 for one ray and many triangles, 1.5 to 1.75 for packed arrays.
+///
 /// Triangles are counter-clockwise seen from their front. One frame and unit.
 namespace quincunx {
 

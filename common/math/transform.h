@@ -6,6 +6,9 @@
 
 /// Matrices between frames, column vectors, `a_from_b * b`. The camera's frame is right-handed: x right, y
 /// up, looking along −z. Computed in double and rounded once; see math/vector.h for what "0.5 ulp" means.
+/// What that costs against the textbook's form in float (bench_vector, whole arrays): inverse 1.3 times (3.3
+/// for projections, whose determinants cancel), rigid inverses 2, normal matrices 2.5, lookAt 3.4, affine
+/// inverses 5 times, since GLM's are vectorised.
 namespace quincunx {
 
 /// The matrix that takes normals from the model to the world: sign(det M) cof M of the upper 3×3 M, which is
