@@ -122,10 +122,9 @@ bool displayAvailable() {
     if (windowCount > 0)
         return true;
     glfwSetErrorCallback(rememberFault);
-    const bool answers = glfwInit() == GLFW_TRUE;
-    if (answers)
-        glfwTerminate();
-    return answers;
+    // Stays started for the window to come: a server that resets when its last client leaves may be out of
+    // reach for a moment after.
+    return glfwInit() == GLFW_TRUE;
 }
 
 }  // namespace quincunx::gl

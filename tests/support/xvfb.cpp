@@ -78,7 +78,7 @@ std::string Xvfb::start() {
         dup2(null, STDOUT_FILENO);
         dup2(null, STDERR_FILENO);
         execlp("Xvfb", "Xvfb", "-displayfd", descriptor.c_str(), "-screen", "0", "1280x1024x24", "-nolisten",
-               "tcp", framebufferFolder_.empty() ? nullptr : "-fbdir", framebufferFolder_.c_str(),
+               "tcp", "-noreset", framebufferFolder_.empty() ? nullptr : "-fbdir", framebufferFolder_.c_str(),
                static_cast<char*>(nullptr));
         _exit(127);
     }

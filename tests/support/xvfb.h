@@ -7,9 +7,9 @@
 
 namespace quincunx::test {
 
-/// A display without a screen (1280×1024, 24 bits): starts Xvfb on a free display number, points DISPLAY to
-/// it and unsets WAYLAND_DISPLAY; its end stops the server and restores both. The server dies with the test
-/// too.
+/// A display without a screen (1280×1024, 24 bits), which stays as it is when its last client leaves: starts
+/// Xvfb on a free display number, points DISPLAY to it and unsets WAYLAND_DISPLAY; its end stops the server
+/// and restores both. The server dies with the test too.
 class Xvfb {
   public:
     /// Throws EnvironmentError if Xvfb is not installed or does not answer within 20 seconds. The screen's
