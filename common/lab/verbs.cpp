@@ -141,8 +141,8 @@ std::string figureText(double value) {
 
 void print(std::string_view text) {
     errno = 0;
-    const bool written =
-        std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+    const bool written = (text.empty() || std::fwrite(text.data(), 1, text.size(), stdout) == text.size()) &&
+                         std::fflush(stdout) == 0;
     if (written)
         return;
     if (errno == EPIPE)

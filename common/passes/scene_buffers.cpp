@@ -212,8 +212,11 @@ void SceneBuffers::update(const FrameBlock& frame, const std::vector<ObjectBlock
 
 void SceneBuffers::updateObjects(const std::vector<ObjectBlock>& objects) {
     QX_CHECK_EQ(objects.size(), draws_.size());
-    const bool same = objects.size() == objects_.size() &&
-                      std::memcmp(objects.data(), objects_.data(), objects.size() * sizeof(ObjectBlock)) == 0;
+    const auto haveSameBytes = [](const ObjectBlock& a, const ObjectBlock& b) {
+        return std::memcmp(&a, &b, sizeof(ObjectBlock)) == 0;
+    };
+    const bool same =
+        std::equal(objects.begin(), objects.end(), objects_.begin(), objects_.end(), haveSameBytes);
     if (!same) {
         objects_ = objects;
         objectBuffer_.upload(bytesOf(objects_));
