@@ -4,8 +4,6 @@
 #include "math/rigid_motion.h"
 
 #include <cmath>
-#include <cstdio>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +12,7 @@
 
 #include "math/stress_inputs.h"
 #include "math/transform.h"
+#include "ratio_reporter.h"
 
 namespace {
 
@@ -64,32 +63,6 @@ void compare(const std::string& routine, const Naive& naive, const Stable& stabl
     benchmark::RegisterBenchmark((routine + "/stable").c_str(),
                                  [stable](benchmark::State& state) { overArray<Result>(state, stable); });
 }
-
-/// The usual table, then one line a routine with the ratio.
-class RatioReporter : public benchmark::ConsoleReporter {
-  public:
-    void ReportRuns(const std::vector<Run>& runs) override {
-        ConsoleReporter::ReportRuns(runs);
-        for (const Run& run : runs) {
-            const bool median = run.run_type == Run::RT_Aggregate && run.aggregate_name == "median";
-            if (run.error_occurred || (run.run_type == Run::RT_Aggregate && !median))
-                continue;
-            const std::string name = run.run_name.function_name;
-            auto& [naive, stable] = times_[name.substr(0, name.find('/'))];
-            (name.ends_with("/naive") ? naive : stable) = 1e9 / run.counters.at("items_per_second");
-        }
-    }
-
-    void printRatios() const {
-        std::printf("\n%-24s %10s %10s %8s\n", "routine", "naive ns", "stable ns", "ratio");
-        for (const auto& [routine, time] : times_)
-            std::printf("%-24s %10.2f %10.2f %7.2fx\n", routine.c_str(), time.first, time.second,
-                        time.second / time.first);
-    }
-
-  private:
-    std::map<std::string, std::pair<double, double>> times_;
-};
 
 }  // namespace
 
