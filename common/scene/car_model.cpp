@@ -10,6 +10,7 @@
 #include "geometry/mesh_builder.h"
 #include "geometry/shapes.h"
 #include "scene/car.h"
+#include "scene/finish.h"
 
 namespace quincunx {
 namespace {
@@ -313,32 +314,10 @@ void addInside(BodyParts& parts) {
     parts.dark.tube(std::array{glm::vec3(0.34f, 0.94f, 1.21f), glm::vec3(0.34f, 0.86f, 1.45f)}, 0.03f, 8);
 }
 
-struct Finish {
-    glm::vec3 diffuse;
-    glm::vec3 specular{0.04f};
-    float shininess = 20;
-    float metallic = 0;
-    float roughness = 0.5f;
-    glm::vec3 emission{0};
-};
-
-Material material(std::string name, const Finish& finish) {
-    Material result;
-    result.name = std::move(name);
-    result.baseColor = glm::vec4(finish.metallic > 0.5f ? finish.specular : finish.diffuse, 1);
-    result.metallic = finish.metallic;
-    result.roughness = finish.roughness;
-    result.emission = finish.emission;
-    result.ambient = finish.diffuse;
-    result.diffuse = finish.diffuse;
-    result.specular = finish.specular;
-    result.shininess = finish.shininess;
-    return result;
-}
-
 Material paintOf(std::string name, glm::vec3 color) {
-    return material(std::move(name),
-                    {.diffuse = color, .specular = glm::vec3(0.35f), .shininess = 90, .roughness = 0.15f});
+    return makeMaterial(
+        std::move(name),
+        {.diffuse = color, .specular = glm::vec3(0.35f), .shininess = 90, .roughness = 0.15f});
 }
 
 struct Wheel {
@@ -389,29 +368,30 @@ CarInstances addCar(Scene& scene, glm::vec3 paint, glm::vec3 roof) {
 
     car.paint = addMaterial(paintOf("car paint", paint));
     const std::size_t roofPaint = addMaterial(paintOf("car roof", roof));
-    const std::size_t glass = addMaterial(material("car glass", {.diffuse = {0.05f, 0.085f, 0.11f},
-                                                                 .specular = glm::vec3(0.75f),
-                                                                 .shininess = 180,
-                                                                 .roughness = 0.05f}));
-    const std::size_t dark = addMaterial(material(
+    const std::size_t glass = addMaterial(makeMaterial("car glass", {.diffuse = {0.05f, 0.085f, 0.11f},
+                                                                     .specular = glm::vec3(0.75f),
+                                                                     .shininess = 180,
+                                                                     .roughness = 0.05f}));
+    const std::size_t dark = addMaterial(makeMaterial(
         "car rubber", {.diffuse = glm::vec3(0.018f), .specular = glm::vec3(0.06f), .shininess = 14}));
-    const std::size_t chrome = addMaterial(material("chrome", {.diffuse = {0.30f, 0.32f, 0.35f},
-                                                               .specular = glm::vec3(0.9f),
-                                                               .shininess = 70,
-                                                               .metallic = 1,
-                                                               .roughness = 0.15f}));
-    const std::size_t lamp = addMaterial(material("headlamp", {.diffuse = {0.75f, 0.72f, 0.6f},
-                                                               .specular = glm::vec3(0.6f),
-                                                               .shininess = 100,
-                                                               .roughness = 0.1f,
-                                                               .emission = {0.22f, 0.2f, 0.13f}}));
-    const std::size_t tailLamp = addMaterial(material("tail lamp", {.diffuse = {0.55f, 0.01f, 0.01f},
-                                                                    .specular = glm::vec3(0.5f),
-                                                                    .shininess = 90,
-                                                                    .roughness = 0.15f,
-                                                                    .emission = {0.16f, 0.004f, 0.004f}}));
-    const std::size_t plate = addMaterial(material("number plate", {.diffuse = {0.8f, 0.8f, 0.76f}}));
-    const std::size_t lining = addMaterial(material("lining", {.diffuse = {0.12f, 0.085f, 0.06f}}));
+    const std::size_t chrome = addMaterial(makeMaterial("chrome", {.diffuse = {0.30f, 0.32f, 0.35f},
+                                                                   .specular = glm::vec3(0.9f),
+                                                                   .shininess = 70,
+                                                                   .metallic = 1,
+                                                                   .roughness = 0.15f}));
+    const std::size_t lamp = addMaterial(makeMaterial("headlamp", {.diffuse = {0.75f, 0.72f, 0.6f},
+                                                                   .specular = glm::vec3(0.6f),
+                                                                   .shininess = 100,
+                                                                   .roughness = 0.1f,
+                                                                   .emission = {0.22f, 0.2f, 0.13f}}));
+    const std::size_t tailLamp =
+        addMaterial(makeMaterial("tail lamp", {.diffuse = {0.55f, 0.01f, 0.01f},
+                                               .specular = glm::vec3(0.5f),
+                                               .shininess = 90,
+                                               .roughness = 0.15f,
+                                               .emission = {0.16f, 0.004f, 0.004f}}));
+    const std::size_t plate = addMaterial(makeMaterial("number plate", {.diffuse = {0.8f, 0.8f, 0.76f}}));
+    const std::size_t lining = addMaterial(makeMaterial("lining", {.diffuse = {0.12f, 0.085f, 0.06f}}));
     const std::size_t rimPaint = addMaterial(paintOf("rim", {0.72f, 0.68f, 0.58f}));
 
     BodyParts parts;

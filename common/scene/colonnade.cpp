@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "math/transform.h"
+#include "scene/finish.h"
 
 namespace quincunx {
 namespace {
@@ -15,23 +16,6 @@ constexpr float degree = std::numbers::pi_v<float> / 180;
 constexpr int columnCount = 10;
 constexpr float ringRadius = 3.2f;
 constexpr float gapAzimuth = 14 * degree;
-
-struct Finish {
-    glm::vec3 diffuse;
-    glm::vec3 specular;
-    float shininess;
-};
-
-Material material(std::string name, const Finish& finish) {
-    Material result;
-    result.name = std::move(name);
-    result.baseColor = glm::vec4(finish.diffuse, 1);
-    result.ambient = finish.diffuse;
-    result.diffuse = finish.diffuse;
-    result.specular = finish.specular;
-    result.shininess = finish.shininess;
-    return result;
-}
 
 glm::mat4 at(glm::vec3 position) {
     return glm::translate(glm::mat4(1), position);
@@ -48,12 +32,13 @@ Turned column() {
 }  // namespace
 
 StillLife makeColonnade() {
-    const Material terrace = material("sandstone", {{0.56f, 0.46f, 0.34f}, {0.02f, 0.02f, 0.02f}, 12});
-    const Material marble = material("marble", {{0.74f, 0.71f, 0.66f}, {0.10f, 0.10f, 0.10f}, 40});
-    const Material gold = material("gold", {{0.56f, 0.31f, 0.06f}, {1.0f, 0.75f, 0.35f}, 60});
-    const Material terracotta = material("terracotta", {{0.55f, 0.17f, 0.08f}, {0.05f, 0.05f, 0.05f}, 16});
-    const Material verdigris = material("verdigris", {{0.09f, 0.33f, 0.28f}, {0.22f, 0.3f, 0.28f}, 30});
-    const Material lapis = material("lapis", {{0.05f, 0.10f, 0.42f}, {0.4f, 0.4f, 0.45f}, 80});
+    const Material terrace = makeMaterial("sandstone", {{0.56f, 0.46f, 0.34f}, {0.02f, 0.02f, 0.02f}, 12});
+    const Material marble = makeMaterial("marble", {{0.74f, 0.71f, 0.66f}, {0.10f, 0.10f, 0.10f}, 40});
+    const Material gold = makeMaterial("gold", {{0.56f, 0.31f, 0.06f}, {1.0f, 0.75f, 0.35f}, 60});
+    const Material terracotta =
+        makeMaterial("terracotta", {{0.55f, 0.17f, 0.08f}, {0.05f, 0.05f, 0.05f}, 16});
+    const Material verdigris = makeMaterial("verdigris", {{0.09f, 0.33f, 0.28f}, {0.22f, 0.3f, 0.28f}, 30});
+    const Material lapis = makeMaterial("lapis", {{0.05f, 0.10f, 0.42f}, {0.4f, 0.4f, 0.45f}, 80});
 
     StillLife scene;
     scene.objects = {

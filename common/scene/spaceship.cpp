@@ -8,6 +8,7 @@
 
 #include "base/random.h"
 #include "math/transform.h"
+#include "scene/finish.h"
 #include "scene/still_life.h"
 
 namespace quincunx {
@@ -15,25 +16,6 @@ namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 constexpr int starCount = 700;
-
-struct Finish {
-    glm::vec3 diffuse;
-    glm::vec3 specular{0.1f};
-    float shininess = 30;
-    glm::vec3 emission{0};
-};
-
-Material material(std::string name, const Finish& finish) {
-    Material result;
-    result.name = std::move(name);
-    result.baseColor = glm::vec4(finish.diffuse, 1);
-    result.ambient = finish.diffuse;
-    result.diffuse = finish.diffuse;
-    result.specular = finish.specular;
-    result.shininess = finish.shininess;
-    result.emission = finish.emission;
-    return result;
-}
 
 glm::mat4 at(glm::vec3 p) {
     return glm::translate(glm::mat4(1), p);
@@ -79,15 +61,19 @@ Mesh stars(Random& random) {
 }  // namespace
 
 Scene makeSpaceship(int segments) {
-    const Material hull = material("white hull", {{0.62f, 0.63f, 0.66f}, {0.35f, 0.35f, 0.38f}, 40});
-    const Material ring = material("ring", {{0.30f, 0.33f, 0.38f}, {0.4f, 0.42f, 0.45f}, 60});
-    const Material trim = material("orange trim", {{0.62f, 0.19f, 0.03f}, {0.25f, 0.2f, 0.15f}, 30});
-    const Material glass = material("glass", {{0.01f, 0.03f, 0.07f}, {0.9f, 0.95f, 1.0f}, 220});
-    const Material nozzle = material("nozzle", {{0.07f, 0.07f, 0.08f}, {0.3f, 0.3f, 0.3f}, 20});
-    const Material flame = material("flame", {{0, 0, 0}, {0, 0, 0}, 1, {2.6f, 7.5f, 16.0f}});
-    const Material lamp = material("lamp", {{0, 0, 0}, {0, 0, 0}, 1, {9.0f, 5.0f, 1.6f}});
-    const Material planet = material("planet", {{0.16f, 0.26f, 0.40f}, {0.06f, 0.06f, 0.06f}, 6});
-    const Material moon = material("moon", {{0.32f, 0.28f, 0.25f}, {0, 0, 0}, 1});
+    const Material hull = makeMaterial("white hull", {{0.62f, 0.63f, 0.66f}, {0.35f, 0.35f, 0.38f}, 40});
+    const Material ring = makeMaterial("ring", {{0.30f, 0.33f, 0.38f}, {0.4f, 0.42f, 0.45f}, 60});
+    const Material trim = makeMaterial("orange trim", {{0.62f, 0.19f, 0.03f}, {0.25f, 0.2f, 0.15f}, 30});
+    const Material glass = makeMaterial("glass", {{0.01f, 0.03f, 0.07f}, {0.9f, 0.95f, 1.0f}, 220});
+    const Material nozzle = makeMaterial("nozzle", {{0.07f, 0.07f, 0.08f}, {0.3f, 0.3f, 0.3f}, 20});
+    const Material flame = makeMaterial(
+        "flame",
+        {.diffuse = {0, 0, 0}, .specular = {0, 0, 0}, .shininess = 1, .emission = {2.6f, 7.5f, 16.0f}});
+    const Material lamp = makeMaterial(
+        "lamp",
+        {.diffuse = {0, 0, 0}, .specular = {0, 0, 0}, .shininess = 1, .emission = {9.0f, 5.0f, 1.6f}});
+    const Material planet = makeMaterial("planet", {{0.16f, 0.26f, 0.40f}, {0.06f, 0.06f, 0.06f}, 6});
+    const Material moon = makeMaterial("moon", {{0.32f, 0.28f, 0.25f}, {0, 0, 0}, 1});
 
     StillLife ship;
     ship.objects = {
@@ -128,7 +114,9 @@ Scene makeSpaceship(int segments) {
     Random random(2);
     scene.instances.push_back({"stars", scene.meshes.size(), scene.materials.size(), glm::mat4(1)});
     scene.meshes.push_back(stars(random));
-    scene.materials.push_back(material("starlight", {{0, 0, 0}, {0, 0, 0}, 1, {2.2f, 2.3f, 2.6f}}));
+    scene.materials.push_back(makeMaterial(
+        "starlight",
+        {.diffuse = {0, 0, 0}, .specular = {0, 0, 0}, .shininess = 1, .emission = {2.2f, 2.3f, 2.6f}}));
 
     Light sun;
     sun.name = "sun";

@@ -6,33 +6,12 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "scene/finish.h"
+
 namespace quincunx {
 namespace {
 
 constexpr float degree = std::numbers::pi_v<float> / 180;
-
-struct Finish {
-    glm::vec3 diffuse;
-    glm::vec3 specular;
-    float shininess;
-    float metallic;
-    float roughness;
-    glm::vec3 emission{0};
-};
-
-Material material(std::string name, const Finish& finish) {
-    Material result;
-    result.name = std::move(name);
-    result.baseColor = glm::vec4(finish.metallic > 0.5f ? finish.specular : finish.diffuse, 1);
-    result.metallic = finish.metallic;
-    result.roughness = finish.roughness;
-    result.emission = finish.emission;
-    result.ambient = finish.diffuse;
-    result.diffuse = finish.diffuse;
-    result.specular = finish.specular;
-    result.shininess = finish.shininess;
-    return result;
-}
 
 /// A chess pawn standing on y = 0: base ring, hollow stem, collar, head.
 Turned pawn() {
@@ -80,47 +59,47 @@ Camera cameraLooking(const glm::vec3& from, const glm::vec3& to, float fovYRadia
 }  // namespace
 
 StillLife makeStillLife() {
-    const Material lacquer = material("black lacquer", {.diffuse = {0.022f, 0.019f, 0.021f},
-                                                        .specular = {0.085f, 0.075f, 0.07f},
-                                                        .shininess = 9,
-                                                        .metallic = 0,
-                                                        .roughness = 0.35f});
-    const Material brass = material("brass", {.diffuse = {0.16f, 0.085f, 0.02f},
-                                              .specular = {0.95f, 0.66f, 0.28f},
-                                              .shininess = 36,
-                                              .metallic = 1,
-                                              .roughness = 0.3f});
-    const Material gold = material("gold", {.diffuse = {0.4f, 0.205f, 0.03f},
-                                            .specular = {1, 0.7f, 0.26f},
-                                            .shininess = 30,
-                                            .metallic = 1,
-                                            .roughness = 0.25f});
-    const Material pearl = material("pearl", {.diffuse = {0.5f, 0.43f, 0.41f},
-                                              .specular = {0.42f, 0.4f, 0.4f},
-                                              .shininess = 50,
-                                              .metallic = 0,
-                                              .roughness = 0.25f,
-                                              .emission = {0.11f, 0.055f, 0.04f}});
-    const Material ivory = material("ivory", {.diffuse = {0.7f, 0.57f, 0.37f},
-                                              .specular = {0.2f, 0.18f, 0.15f},
-                                              .shininess = 14,
-                                              .metallic = 0,
-                                              .roughness = 0.45f});
-    const Material jade = material("jade", {.diffuse = {0.04f, 0.31f, 0.155f},
-                                            .specular = {0.45f, 0.52f, 0.46f},
-                                            .shininess = 60,
-                                            .metallic = 0,
-                                            .roughness = 0.25f});
-    const Material glaze = material("red glaze", {.diffuse = {0.44f, 0.012f, 0.01f},
-                                                  .specular = {0.8f, 0.76f, 0.72f},
-                                                  .shininess = 300,
+    const Material lacquer = makeMaterial("black lacquer", {.diffuse = {0.022f, 0.019f, 0.021f},
+                                                            .specular = {0.085f, 0.075f, 0.07f},
+                                                            .shininess = 9,
+                                                            .metallic = 0,
+                                                            .roughness = 0.35f});
+    const Material brass = makeMaterial("brass", {.diffuse = {0.16f, 0.085f, 0.02f},
+                                                  .specular = {0.95f, 0.66f, 0.28f},
+                                                  .shininess = 36,
+                                                  .metallic = 1,
+                                                  .roughness = 0.3f});
+    const Material gold = makeMaterial("gold", {.diffuse = {0.4f, 0.205f, 0.03f},
+                                                .specular = {1, 0.7f, 0.26f},
+                                                .shininess = 30,
+                                                .metallic = 1,
+                                                .roughness = 0.25f});
+    const Material pearl = makeMaterial("pearl", {.diffuse = {0.5f, 0.43f, 0.41f},
+                                                  .specular = {0.42f, 0.4f, 0.4f},
+                                                  .shininess = 50,
                                                   .metallic = 0,
-                                                  .roughness = 0.12f});
-    const Material ultramarine = material("ultramarine", {.diffuse = {0.018f, 0.04f, 0.42f},
-                                                          .specular = {0.45f, 0.5f, 0.62f},
-                                                          .shininess = 90,
-                                                          .metallic = 0,
-                                                          .roughness = 0.2f});
+                                                  .roughness = 0.25f,
+                                                  .emission = {0.11f, 0.055f, 0.04f}});
+    const Material ivory = makeMaterial("ivory", {.diffuse = {0.7f, 0.57f, 0.37f},
+                                                  .specular = {0.2f, 0.18f, 0.15f},
+                                                  .shininess = 14,
+                                                  .metallic = 0,
+                                                  .roughness = 0.45f});
+    const Material jade = makeMaterial("jade", {.diffuse = {0.04f, 0.31f, 0.155f},
+                                                .specular = {0.45f, 0.52f, 0.46f},
+                                                .shininess = 60,
+                                                .metallic = 0,
+                                                .roughness = 0.25f});
+    const Material glaze = makeMaterial("red glaze", {.diffuse = {0.44f, 0.012f, 0.01f},
+                                                      .specular = {0.8f, 0.76f, 0.72f},
+                                                      .shininess = 300,
+                                                      .metallic = 0,
+                                                      .roughness = 0.12f});
+    const Material ultramarine = makeMaterial("ultramarine", {.diffuse = {0.018f, 0.04f, 0.42f},
+                                                              .specular = {0.45f, 0.5f, 0.62f},
+                                                              .shininess = 90,
+                                                              .metallic = 0,
+                                                              .roughness = 0.2f});
 
     StillLife scene;
     scene.objects = {

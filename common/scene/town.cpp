@@ -15,6 +15,7 @@
 #include "geometry/polygon.h"
 #include "geometry/shapes.h"
 #include "math/vector.h"
+#include "scene/finish.h"
 
 namespace quincunx {
 namespace {
@@ -37,7 +38,8 @@ constexpr float frontGarden = 2.6f;  ///< from the pavement to a house
 
 // ---- materials ----
 
-struct Finish {
+/// As most of the town is.
+struct MattFinish {
     glm::vec3 diffuse;
     glm::vec3 specular{0};
     float shininess = 10;
@@ -45,17 +47,12 @@ struct Finish {
     glm::vec3 emission{0};
 };
 
-Material material(std::string name, const Finish& finish) {
-    Material result;
-    result.name = std::move(name);
-    result.baseColor = glm::vec4(finish.diffuse, 1);
-    result.roughness = finish.roughness;
-    result.emission = finish.emission;
-    result.ambient = finish.diffuse;
-    result.diffuse = finish.diffuse;
-    result.specular = finish.specular;
-    result.shininess = finish.shininess;
-    return result;
+Material material(std::string name, const MattFinish& finish) {
+    return makeMaterial(std::move(name), {.diffuse = finish.diffuse,
+                                          .specular = finish.specular,
+                                          .shininess = finish.shininess,
+                                          .roughness = finish.roughness,
+                                          .emission = finish.emission});
 }
 
 constexpr std::array<glm::vec3, 9> wallColors = {{{0.72f, 0.60f, 0.40f},
