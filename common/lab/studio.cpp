@@ -1,7 +1,7 @@
 #include "lab/studio.h"
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
+#include <vector>
 
 #include "base/check.h"
 #include "base/interrupt.h"
@@ -77,11 +77,7 @@ Studio::Timing Studio::time(Lab& lab, const Frame& frame, int repeats, int warmU
         throwIfInterrupted();
         seconds.push_back(gl::secondsOf([&] { draw(lab, frame); }));
     }
-    std::sort(seconds.begin(), seconds.end());
-    const auto quantile = [&](double q) {
-        return seconds[static_cast<std::size_t>(std::lround(q * static_cast<double>(seconds.size() - 1)))];
-    };
-    return {quantile(0.5), quantile(0.75) - quantile(0.25)};
+    return timingOf(std::move(seconds));
 }
 
 std::uint64_t Studio::samplesPassed(Lab& lab, const Frame& frame) {

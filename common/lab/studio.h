@@ -3,6 +3,7 @@
 #include <memory>
 #include <string_view>
 
+#include "base/timing.h"
 #include "gl/context.h"
 #include "gl/executor.h"
 #include "lab/lab.h"
@@ -29,10 +30,7 @@ class Studio {
 
     /// Time of a frame, around glFinish: `warmUps` frames first, then the median and the interquartile range
     /// of `repeats`.
-    struct Timing {
-        double medianSeconds = 0;
-        double spreadSeconds = 0;
-    };
+    using Timing = quincunx::Timing;
     Timing time(Lab& lab, const Frame& frame, int repeats = 9, int warmUps = 2);
 
     /// Frame with the lab's default camera.

@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <utility>
 
 #include "base/check.h"
+#include "base/timing.h"
 #include "labs/01_transforms/lab.h"
 #include "labs/01_transforms/shader_vertices.h"
 #include "math/quad_oracle.h"
@@ -50,28 +50,16 @@ double worstError(const Poses& poses, const std::vector<glm::mat4>& inverted) {
     return worst;
 }
 
-struct Timing {
-    double median = 0;
-    double spread = 0;
-};
-
 constexpr std::size_t passes = 977;  // over the poses: a million inverses, nearly
 
 /// Seconds of all passes of `invert`.
 template <typename Invert>
 Timing timeOf(const Poses& poses, std::vector<glm::mat4>& inverted, const Invert& invert) {
-    constexpr int runs = 9;
-    std::vector<double> seconds;
-    for (int run = 0; run < runs; ++run) {
-        const auto start = std::chrono::steady_clock::now();
+    return timeRuns(9, [&] {
         for (std::size_t pass = 0; pass < passes; ++pass)
             for (std::size_t i = 0; i < poseCount; ++i)
                 inverted[i] = invert(poses.poses[i]);
-        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-        seconds.push_back(taken.count());
-    }
-    std::sort(seconds.begin(), seconds.end());
-    return {seconds[runs / 2], seconds[3 * runs / 4] - seconds[runs / 4]};
+    });
 }
 
 template <TransformsLab::Inverse Routine>
@@ -81,8 +69,8 @@ SweepSample measureInverse(const Poses& poses) {
         timeOf(poses, inverted, [](const glm::mat4& pose) { return TransformsLab::inverted(pose, Routine); });
     SweepSample sample;
     sample.error = worstError(poses, inverted);
-    sample.seconds = timing.median;
-    sample.secondsSpread = timing.spread;
+    sample.seconds = timing.medianSeconds;
+    sample.secondsSpread = timing.spreadSeconds;
     sample.counters["inverses"] = passes * poseCount;
     return sample;
 }

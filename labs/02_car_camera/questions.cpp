@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "base/timing.h"
 #include "lab/studio.h"
 #include "labs/02_car_camera/lab.h"
 #include "math/exact.h"
@@ -172,17 +172,13 @@ double nanoseconds(const Invert& invert) {
     for (int i = 0; i < 1024; ++i)
         in.push_back(anyPose(draw));
     std::vector<glm::mat4> out(in.size());
-    std::vector<double> times;
     volatile float sink = 0;
-    for (int round = 0; round < 15; ++round) {
-        const auto before = std::chrono::steady_clock::now();
+    const Timing timing = timeRuns(15, [&] {
         for (std::size_t i = 0; i < in.size(); ++i)
             out[i] = invert(in[i]);
-        times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
-        sink = sink + out[static_cast<std::size_t>(round)][3][0];
-    }
-    std::sort(times.begin(), times.end());
-    return 1e9 * times[times.size() / 2] / static_cast<double>(in.size());
+        sink = sink + out.back()[3][0];
+    });
+    return 1e9 * timing.medianSeconds / static_cast<double>(in.size());
 }
 
 // (4) V = (T R)⁻¹.

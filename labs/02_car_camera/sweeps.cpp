@@ -1,9 +1,8 @@
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <string>
 #include <vector>
 
+#include "base/timing.h"
 #include "lab/studio.h"
 #include "labs/02_car_camera/lab.h"
 
@@ -41,17 +40,12 @@ Sweep driftSweep(CarCameraLab& lab, std::string name, std::string title, std::st
     sweep.measure = [&lab, error](Studio&, const Frame&) {
         const DriftSettings settings = lab.drift();
         const glm::dmat3 start = slopingFrame();
-        std::array<double, repeats> seconds{};
         SweepSample sample;
-        for (double& one : seconds) {
-            const auto before = std::chrono::steady_clock::now();
-            const glm::mat3 frame = turnedOften(settings, start);
-            one = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-            sample.error = error(frame, settings, start);
-        }
-        std::sort(seconds.begin(), seconds.end());
-        sample.seconds = seconds[repeats / 2];
-        sample.secondsSpread = seconds[3 * repeats / 4] - seconds[repeats / 4];
+        glm::mat3 frame(1);
+        const Timing timing = timeRuns(repeats, [&] { frame = turnedOften(settings, start); });
+        sample.error = error(frame, settings, start);
+        sample.seconds = timing.medianSeconds;
+        sample.secondsSpread = timing.spreadSeconds;
         sample.counters["turns"] = static_cast<std::uint64_t>(settings.turns);
         sample.counters["renormalizations"] =
             settings.every > 0 ? static_cast<std::uint64_t>(settings.turns / settings.every) : 0;

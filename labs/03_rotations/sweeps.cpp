@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "base/timing.h"
 #include "labs/03_rotations/lab.h"
 #include "math/quad_rotation.h"
 #include "math/rotation_hard_cases.h"
@@ -44,21 +44,12 @@ Pairs makePairs(std::uint64_t seed) {
     return pairs;
 }
 
-/// Median and interquartile range of `repeats` runs, after two that are not counted.
+/// Twice without the clock first.
 template <typename Work>
 void timeWork(SweepSample& sample, const Work& work, int repeats) {
-    using Clock = std::chrono::steady_clock;
-    std::vector<double> seconds;
-    for (int i = -2; i < repeats; ++i) {
-        const Clock::time_point start = Clock::now();
-        work();
-        if (i >= 0)
-            seconds.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-    }
-    std::sort(seconds.begin(), seconds.end());
-    const std::size_t count = seconds.size();
-    sample.seconds = seconds[count / 2];
-    sample.secondsSpread = seconds[3 * count / 4] - seconds[count / 4];
+    const Timing timing = timeRuns(repeats, work, 2);
+    sample.seconds = timing.medianSeconds;
+    sample.secondsSpread = timing.spreadSeconds;
 }
 
 /// Fills `out` by `compute(i)`, timed; a number of what was written keeps the work from being dropped.

@@ -60,12 +60,14 @@ std::vector<Measurement> measureTriangles() {
                 {fmt::format("{}, {}: agrees with exact arithmetic", nameOfWay(way), nameOf(aims[k])),
                  100.0 * static_cast<double>(agreeing) / count, "%", bound});
         }
-        const Seconds seconds = secondsOfRuns(5, [&] {
+        const Timing timing = timeRuns(5, [&] {
             for (const AimedRay& aimed : sets[0])
                 keep(meetTriangle(way, aimed));
         });
-        figures.push_back(
-            {fmt::format("{}: speed", nameOfWay(way)), count / seconds.median * 1e-6, "million rays/s", {}});
+        figures.push_back({fmt::format("{}: speed", nameOfWay(way)),
+                           count / timing.medianSeconds * 1e-6,
+                           "million rays/s",
+                           {}});
     }
     return figures;
 }
@@ -145,10 +147,10 @@ std::vector<Measurement> measurePolygons() {
         figures.push_back({fmt::format("ray, {}: ours agrees", nameOf(aim)),
                            100.0 * static_cast<double>(stable) / count, "%", equals(100)});
         const auto speed = [&](const auto& meetPolygon) {
-            return count * 1e-6 / secondsOfRuns(5, [&] {
+            return count * 1e-6 / timeRuns(5, [&] {
                                       for (const Case& one : cases)
                                           keep(meetPolygon(one.ray, one.corners));
-                                  }).median;
+                                  }).medianSeconds;
         };
         if (aim == Aim::random) {
             figures.push_back({"ray against polygon in float: speed",
@@ -328,10 +330,10 @@ std::vector<Measurement> measureBoxPlane() {
         agreeing += sideOf(boxes.back(), planes.back()) == sideByEightCorners(boxes.back(), planes.back());
     }
     const auto nanoseconds = [&](const auto& side) {
-        return 1e9 / count * secondsOfRuns(9, [&] {
+        return 1e9 / count * timeRuns(9, [&] {
                                  for (std::size_t i = 0; i < count; ++i)
                                      keep(side(boxes[i], planes[i]));
-                             }).median;
+                             }).medianSeconds;
     };
     const double two = nanoseconds([](const Bounds& b, const Plane& p) { return sideOf(b, p); });
     const double eight =

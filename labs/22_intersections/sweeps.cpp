@@ -65,12 +65,12 @@ Sweep arithmeticSweep(IntersectionsLab& lab, const std::string& shape, const std
             sample.counters["hits"] += answers->exact[i].has_value();
         }
         sample.counters["rays"] = count;
-        const Seconds seconds = secondsOfRuns(approach.method == Method::exact ? 3 : 9, [&] {
+        const Timing timing = timeRuns(approach.method == Method::exact ? 3 : 9, [&] {
             for (const Ray& ray : answers->rays)
                 keep(meetDistance(exhibit, ray, approach));
         });
-        sample.seconds = seconds.median;
-        sample.secondsSpread = seconds.spread;
+        sample.seconds = timing.medianSeconds;
+        sample.secondsSpread = timing.spreadSeconds;
         return sample;
     };
     return sweep;
@@ -106,12 +106,12 @@ Sweep triangleSweep(IntersectionsLab& lab) {
         sample.error = static_cast<double>(wrong) / static_cast<double>(rays->size());
         sample.counters["wrong hits and misses"] = wrong;
         sample.counters["rays"] = rays->size();
-        const Seconds seconds = secondsOfRuns(9, [&] {
+        const Timing timing = timeRuns(9, [&] {
             for (const AimedRay& aimed : *rays)
                 keep(meetTriangle(way, aimed));
         });
-        sample.seconds = seconds.median;
-        sample.secondsSpread = seconds.spread;
+        sample.seconds = timing.medianSeconds;
+        sample.secondsSpread = timing.spreadSeconds;
         return sample;
     };
     return sweep;
