@@ -27,7 +27,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double halfUlp = 0.5 + 0x1p-7;
 
 std::string hex(glm::vec3 v) {
-    return fmt::format("({:a},{:a},{:a})", v.x, v.y, v.z);
+    return hexVector(v);
 }
 
 std::string describe(const Ray& ray) {

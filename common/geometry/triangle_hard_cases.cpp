@@ -30,7 +30,7 @@ std::string hex(glm::dvec2 v) {
     return fmt::format("({:a},{:a})", v.x, v.y);
 }
 std::string hex(glm::dvec3 v) {
-    return fmt::format("({:a},{:a},{:a})", v.x, v.y, v.z);
+    return hexVector(v);
 }
 std::string hex(const Ray& ray) {
     return "o=" + hex(glm::dvec3(ray.origin)) + " d=" + hex(glm::dvec3(ray.direction));

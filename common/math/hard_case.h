@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
+
+#include <fmt/format.h>
 
 namespace quincunx {
 
@@ -34,6 +37,17 @@ struct HardCase {
         return figures.stableFailures == 0 && figures.stableError <= bound;
     }
 };
+
+/// The larger of two errors; one that is not a number counts as infinite.
+inline double worse(double a, double b) {
+    return std::isnan(a) || std::isnan(b) ? std::numeric_limits<double>::infinity() : std::max(a, b);
+}
+
+/// A vector of three as hexadecimal floating point, for `worstInput`.
+template <typename V>
+std::string hexVector(const V& v) {
+    return fmt::format("({:a},{:a},{:a})", v.x, v.y, v.z);
+}
 
 /// Collects the figures of a run.
 class Tally {

@@ -23,18 +23,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// What math/vector.h calls 0.5 ulp.
 constexpr double halfUlp = 0.5 + 0x1p-26;
 
-/// The larger; an error that is not a number counts as infinite.
-double worse(double a, double b) {
-    return std::isnan(a) || std::isnan(b) ? infinity : std::max(a, b);
-}
-
 std::string hex(double x) {
     return fmt::format("{:a}", x);
-}
-
-template <typename V>
-std::string hexVector(const V& v) {
-    return fmt::format("({:a},{:a},{:a})", v.x, v.y, v.z);
 }
 
 std::string hexMatrix(const glm::mat4& m, int size) {

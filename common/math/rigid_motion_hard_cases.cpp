@@ -23,15 +23,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double worse(double a, double b) {
-    return std::isnan(a) || std::isnan(b) ? infinity : std::max(a, b);
-}
-
-template <typename V>
-std::string hexVector(const V& v) {
-    return fmt::format("({:a},{:a},{:a})", v.x, v.y, v.z);
-}
-
 std::string hexColumns(const glm::mat3& m) {
     return hexVector(m[0]) + hexVector(m[1]) + hexVector(m[2]);
 }

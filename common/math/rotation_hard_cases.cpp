@@ -26,15 +26,11 @@ constexpr double halfUlp = 0.5 + 0x1p-26;
 /// Rounding a unit quaternion to float: 2^-23, and 1 % for what double arithmetic adds.
 constexpr double roundedTurn = 1.2e-7;
 
-double worse(double a, double b) {
-    return std::isnan(a) || std::isnan(b) ? infinity : std::max(a, b);
-}
-
 std::string hex(glm::quat q) {
     return fmt::format("(w={:a},{:a},{:a},{:a})", q.w, q.x, q.y, q.z);
 }
 std::string hex(glm::vec3 v) {
-    return fmt::format("({:a},{:a},{:a})", v.x, v.y, v.z);
+    return hexVector(v);
 }
 std::string hex(float x) {
     return fmt::format("{:a}", x);

@@ -23,14 +23,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double halfUlp = 0.5 + 0x1p-26;
 
-double worse(double a, double b) {
-    return std::isnan(a) || std::isnan(b) ? infinity : std::max(a, b);
-}
-
-std::string hexVector(const glm::vec3& v) {
-    return fmt::format("({:a},{:a},{:a})", v.x, v.y, v.z);
-}
-
 std::string hexMatrix(const glm::mat4& m) {
     std::string text;
     for (int column = 0; column < 4; ++column)
