@@ -20,32 +20,77 @@ using Clock = std::chrono::steady_clock;
 
 /// On a busy machine a first frame takes seconds.
 constexpr std::chrono::seconds patience{20};
-constexpr std::chrono::milliseconds pollInterval{10};
+constexpr std::chrono::milliseconds pollInterval{2};
 
 /// So often in a row, so long apart, is the program found asleep before it counts as settled.
 constexpr int sleepingSamples = 6;
 constexpr std::chrono::milliseconds sampleInterval{4};
 
+/// So many times in a row the program must take its events: more often than an event calls for frames.
+constexpr int pingsPerAct = 6;
+
+/// The letter of a thread's state (proc(5)); none if there is no such thread.
+char stateOf(const std::filesystem::path& thread) {
+    std::ifstream file(thread / "stat");
+    std::string line;
+    std::getline(file, line);
+    // It follows the name, which is in brackets.
+    const std::size_t end = line.rfind(')');
+    return end != std::string::npos && end + 2 < line.size() ? line[end + 2] : '\0';
+}
+
+std::filesystem::path folderOf(pid_t process) {
+    return "/proc/" + std::to_string(process);
+}
+
 /// True if no thread of the process runs or waits for a processor; also when it has ended.
 bool asleep(pid_t process) {
     std::error_code error;
-    const std::filesystem::path tasks = "/proc/" + std::to_string(process) + "/task";
-    for (const auto& task : std::filesystem::directory_iterator(tasks, error)) {
-        std::ifstream file(task.path() / "stat");
-        std::string line;
-        std::getline(file, line);
-        // The state follows the name, which is in brackets.
-        const std::size_t end = line.rfind(')');
-        if (end != std::string::npos && end + 2 < line.size() &&
-            (line[end + 2] == 'R' || line[end + 2] == 'D'))
+    for (const auto& thread : std::filesystem::directory_iterator(folderOf(process) / "task", error)) {
+        const char state = stateOf(thread.path());
+        if (state == 'R' || state == 'D')
             return false;
     }
     return true;
 }
 
+bool hasEnded(pid_t process) {
+    const char state = stateOf(folderOf(process));
+    return state == '\0' || state == 'Z' || state == 'X';
+}
+
 /// Windows may vanish between two requests.
 int ignoreError(Display*, XErrorEvent*) {
     return 0;
+}
+
+struct FoundWindow {
+    Window id = 0;
+    Area area;
+};
+
+std::optional<FoundWindow> findWindow(Display* display, const std::string& title) {
+    Window root = 0;
+    Window parent = 0;
+    Window* children = nullptr;
+    unsigned count = 0;
+    if (XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count) == 0)
+        return std::nullopt;
+    std::optional<FoundWindow> found;
+    for (unsigned i = 0; i < count; ++i) {
+        char* name = nullptr;
+        XWindowAttributes attributes;
+        if (XFetchName(display, children[i], &name) == 0)
+            continue;
+        if (std::string(name).starts_with(title) &&
+            XGetWindowAttributes(display, children[i], &attributes) != 0 &&
+            attributes.map_state == IsViewable)
+            found = {children[i], {attributes.x, attributes.y, attributes.width, attributes.height}};
+        XFree(name);
+    }
+    if (children != nullptr)
+        XFree(children);
+    return found;
 }
 
 }  // namespace
@@ -78,27 +123,38 @@ Image8 Screen::look(const Area& area) const {
 }
 
 std::optional<Area> Screen::find(const std::string& title) const {
-    Window root = 0;
-    Window parent = 0;
-    Window* children = nullptr;
-    unsigned count = 0;
-    if (XQueryTree(display_, DefaultRootWindow(display_), &root, &parent, &children, &count) == 0)
-        return std::nullopt;
-    std::optional<Area> found;
-    for (unsigned i = 0; i < count; ++i) {
-        char* name = nullptr;
-        XWindowAttributes attributes;
-        if (XFetchName(display_, children[i], &name) == 0)
-            continue;
-        if (std::string(name).starts_with(title) &&
-            XGetWindowAttributes(display_, children[i], &attributes) != 0 &&
-            attributes.map_state == IsViewable)
-            found = Area{attributes.x, attributes.y, attributes.width, attributes.height};
-        XFree(name);
+    const std::optional<FoundWindow> found = findWindow(display_, title);
+    return found ? std::optional(found->area) : std::nullopt;
+}
+
+bool Screen::ping(const std::string& title) {
+    const std::optional<FoundWindow> found = findWindow(display_, title);
+    if (!found)
+        return false;
+    // Windows answer to the root, where window managers listen.
+    XSelectInput(display_, DefaultRootWindow(display_), SubstructureNotifyMask);
+    XEvent event{};
+    event.xclient.type = ClientMessage;
+    event.xclient.window = found->id;
+    event.xclient.message_type = XInternAtom(display_, "WM_PROTOCOLS", False);
+    event.xclient.format = 32;
+    event.xclient.data.l[0] = static_cast<long>(XInternAtom(display_, "_NET_WM_PING", False));
+    event.xclient.data.l[1] = ++pings_;
+    event.xclient.data.l[2] = static_cast<long>(found->id);
+    XSendEvent(display_, found->id, False, NoEventMask, &event);
+    XFlush(display_);
+    return true;
+}
+
+bool Screen::answered() {
+    while (XPending(display_) > 0) {
+        XEvent event;
+        XNextEvent(display_, &event);
+        if (event.type == ClientMessage &&
+            event.xclient.data.l[0] == static_cast<long>(XInternAtom(display_, "_NET_WM_PING", False)))
+            answeredPings_ = event.xclient.data.l[1];
     }
-    if (children != nullptr)
-        XFree(children);
-    return found;
+    return answeredPings_ == pings_;
 }
 
 void Screen::sync() const {
@@ -157,9 +213,18 @@ void DrivenWindow::act(std::vector<std::string> words) const {
     settle();
 }
 
+void DrivenWindow::press(const std::string& key) const {
+    // Dear ImGui looks at the keys, like at the pointer, once a frame.
+    act({"keydown", key});
+    act({"keyup", key});
+}
+
 void DrivenWindow::settle() const {
     if (!process_)
         return;
+    for (int i = 0; i < pingsPerAct && screen_->ping(options_.lab); ++i)
+        if (!waitUntil([this] { return screen_->answered() || hasEnded(process_->id()); }))
+            throw std::runtime_error("the window does not answer");
     const Clock::time_point end = Clock::now() + patience;
     for (int samples = 0; samples < sleepingSamples && Clock::now() < end; ++samples) {
         screen_->sync();

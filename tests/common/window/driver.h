@@ -43,8 +43,17 @@ class Screen {
     /// Makes the display say that it has so many dots an inch.
     void setDensity(int dotsPerInch) const;
 
+    /// Asks the window whose title starts so for a sign of life, as window managers do (_NET_WM_PING of the
+    /// Extended Window Manager Hints); it answers once it has taken all events that were sent before. False
+    /// if there is no such window.
+    bool ping(const std::string& title);
+    /// True once the last ping is answered.
+    bool answered();
+
   private:
     _XDisplay* display_;
+    long pings_ = 0;
+    long answeredPings_ = 0;
 };
 
 /// The program with a lab in a window of a display without a screen, and hands to use it.
@@ -71,7 +80,7 @@ class DrivenWindow {
 
     /// Sends real events (words of xdotool) and waits until the window has answered.
     void act(std::vector<std::string> words) const;
-    void press(const std::string& key) const { act({"key", key}); }
+    void press(const std::string& key) const;
     /// Moves the pointer there, and presses and lets go of a button.
     void click(int x, int y, int button = 1) const;
     /// A drag with the button, in pixels of the screen.
@@ -79,8 +88,8 @@ class DrivenWindow {
     /// Presses the key for a picture, and reads it; the file is the folder's `number`-th.
     std::filesystem::path screenshot(int number, const std::string& key = "p") const;
 
-    /// Waits until the program sleeps with nothing left to do: all events are answered, on a machine however
-    /// busy.
+    /// Waits until the program has taken all events, has shown the frames that they call for, and sleeps with
+    /// nothing left to do, on a machine however busy; or has ended.
     void settle() const;
     /// Waits until `condition` holds; false if it does not.
     bool waitUntil(const std::function<bool()>& condition) const;
