@@ -23,14 +23,18 @@ struct Bounds {
     float radius() const;
 };
 
-/// Indexed triangles, counter-clockwise seen from outside. `normals` and `texcoords` are empty or have one
-/// entry a vertex; `indices` has three entries a triangle.
+/// Indexed triangles, counter-clockwise seen from outside. What is known of vertices besides their positions
+/// is empty or has one entry a vertex; `indices` has three entries a triangle.
 struct Mesh {
-    std::string name;
-    std::vector<glm::vec3> positions;  ///< model space
-    std::vector<glm::vec3> normals;    ///< model space, unit length
-    std::vector<glm::vec2> texcoords;  ///< (0,0) is the texture's top left, as in glTF
-    std::vector<std::uint32_t> indices;
+    std::string name = {};
+    std::vector<glm::vec3> positions = {};   ///< model space
+    std::vector<glm::vec3> normals = {};     ///< model space, unit length
+    std::vector<glm::vec2> texcoords = {};   ///< (0,0) is the texture's top left, as in glTF
+    std::vector<glm::vec2> texcoords1 = {};  ///< a second set
+    /// xyz: along s, model space, unit length; w: the sign of the bitangent cross(normal, tangent)
+    std::vector<glm::vec4> tangents = {};
+    std::vector<glm::vec4> colors = {};  ///< linear RGB and alpha, multiplied with the base colour
+    std::vector<std::uint32_t> indices = {};
 
     std::size_t triangleCount() const { return indices.size() / 3; }
     Bounds bounds() const;

@@ -196,7 +196,7 @@ SceneBuffers::SceneBuffers(const Scene& scene, Layout layout)
         const Range& range = ranges[instance.mesh];
         draws_.push_back(range.draw);
         const Material& material = scene.materials[instance.material];
-        draws_.back().texture = &textures_[material.baseColorTexture.value_or(scene.textures.size())];
+        draws_.back().texture = &textures_[material.baseColorTexture ? material.baseColorTexture->texture : scene.textures.size()];
         vertexCount_ += range.vertices;
         triangleCount_ += range.triangles;
     }

@@ -36,6 +36,7 @@ class Mixer {
     }
     void value(const glm::vec3& v) { bytes(&v, sizeof v); }
     void value(const glm::vec4& v) { bytes(&v, sizeof v); }
+    void value(const glm::mat3& m) { bytes(&m, sizeof m); }
     void value(const glm::mat4& m) { bytes(&m, sizeof m); }
 
     template <typename T>
@@ -64,17 +65,27 @@ std::uint64_t fingerprint(const Scene& scene) {
         mix.array(mesh.positions);
         mix.array(mesh.normals);
         mix.array(mesh.texcoords);
+        mix.array(mesh.texcoords1);
+        mix.array(mesh.tangents);
+        mix.array(mesh.colors);
         mix.array(mesh.indices);
     }
     mix.value(scene.materials.size());
     for (const Material& m : scene.materials) {
-        mix.values(m.baseColor, m.baseColorTexture.has_value(), m.baseColorTexture.value_or(0), m.metallic,
-                   m.roughness, m.emission, m.alphaMode, m.alphaCutoff, m.doubleSided);
+        mix.values(m.baseColor, m.metallic, m.roughness, m.normalScale, m.occlusionStrength, m.emission,
+                   m.alphaMode, m.alphaCutoff, m.doubleSided);
+        for (const auto& use : {m.baseColorTexture, m.metallicRoughnessTexture, m.normalTexture,
+                                m.occlusionTexture, m.emissionTexture}) {
+            mix.value(use.has_value());
+            if (use)
+                mix.values(use->texture, use->texcoordSet, use->textureFromTexcoord);
+        }
         mix.values(m.ambient, m.diffuse, m.specular, m.shininess);
     }
     mix.value(scene.textures.size());
     for (const Texture& t : scene.textures) {
-        mix.values(t.image.width, t.image.height, t.image.channels, t.image.encoding, t.wrapS, t.wrapT);
+        mix.values(t.image.width, t.image.height, t.image.channels, t.image.encoding, t.wrapS, t.wrapT,
+                   t.magnification, t.minification, t.mipmaps);
         mix.array(t.image.data);
     }
     mix.value(scene.instances.size());
@@ -86,7 +97,8 @@ std::uint64_t fingerprint(const Scene& scene) {
                    l.outerConeRadians);
     mix.value(scene.cameras.size());
     for (const Camera& c : scene.cameras)
-        mix.values(c.worldFromCamera, c.fovYRadians, c.nearDistance, c.farDistance);
+        mix.values(c.worldFromCamera, c.fovYRadians, c.nearDistance, c.farDistance, c.apertureRadius,
+                   c.focusDistance);
     mix.values(scene.ambientLight, scene.backgroundTop, scene.backgroundBottom);
     return std::max<std::uint64_t>(mix.state(), 1);
 }

@@ -12,13 +12,29 @@
 
 namespace quincunx {
 
-/// A texture: its pixels and how it is repeated. Filled by an importer or by code.
+/// A texture: its pixels, how it is repeated and how it is filtered. Filled by an importer or by code.
 struct Texture {
     enum class Wrap { repeat, mirroredRepeat, clampToEdge };
+    enum class Filter { nearest, linear };
+    enum class Mipmaps { none, nearest, linear };
     std::string name;
     Image8 image;
     Wrap wrapS = Wrap::repeat;
     Wrap wrapT = Wrap::repeat;
+    Filter magnification = Filter::linear;
+    Filter minification = Filter::linear;  ///< within a level
+    Mipmaps mipmaps = Mipmaps::linear;     ///< between levels
+};
+
+/// A texture as a material reads it.
+struct TextureUse {
+    TextureUse() = default;
+    TextureUse(std::size_t index) : texture(index) {}
+
+    std::size_t texture = 0;           ///< index into Scene::textures
+    int texcoordSet = 0;               ///< 0: Mesh::texcoords, 1: Mesh::texcoords1
+    glm::mat3 textureFromTexcoord{1};  ///< affine (KHR_texture_transform)
+    bool operator==(const TextureUse&) const = default;
 };
 
 /// How a surface answers light. Colours are linear RGB. The metallic–roughness numbers are glTF's (section
@@ -27,11 +43,17 @@ struct Material {
     enum class AlphaMode { opaque, mask, blend };
     std::string name;
 
-    glm::vec4 baseColor{1};                       ///< factor, with alpha
-    std::optional<std::size_t> baseColorTexture;  ///< index into Scene::textures, multiplied with the factor
-    float metallic = 0;                           ///< 0 dielectric … 1 metal
-    float roughness = 0.5f;                       ///< 0 mirror … 1 matt
-    glm::vec3 emission{0};                        ///< radiance, W/(m² sr) a channel
+    glm::vec4 baseColor{1};                              ///< factor, with alpha
+    std::optional<TextureUse> baseColorTexture;          ///< sRGB with alpha, multiplied with the factor
+    float metallic = 0;                                  ///< 0 dielectric … 1 metal
+    float roughness = 0.5f;                              ///< 0 mirror … 1 matt
+    std::optional<TextureUse> metallicRoughnessTexture;  ///< linear: G times roughness, B times metallic
+    std::optional<TextureUse> normalTexture;             ///< linear: a normal in the tangent frame
+    float normalScale = 1;                               ///< of the normal's x and y
+    std::optional<TextureUse> occlusionTexture;  ///< linear: R, the share of ambient light that arrives
+    float occlusionStrength = 1;                 ///< 0 none … 1 as the texture says
+    glm::vec3 emission{0};                       ///< radiance, W/(m² sr) a channel
+    std::optional<TextureUse> emissionTexture;   ///< sRGB, multiplied with the emission
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;
@@ -62,6 +84,8 @@ struct Camera {
     float fovYRadians = 0.7854f;   ///< full vertical angle
     float nearDistance = 0.1f;     ///< > 0
     float farDistance = 100;       ///< > near; infinity allowed
+    float apertureRadius = 0;      ///< of a thin lens, in the world's unit; 0: a pinhole, all is sharp
+    float focusDistance = 5;       ///< along the view, of what a lens shows sharp; > 0, infinity allowed
 };
 
 /// One mesh placed in the world.

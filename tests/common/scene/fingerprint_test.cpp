@@ -40,6 +40,19 @@ TEST(Fingerprint, TellsEveryChangeFromEveryOther) {
         [](Scene& s) { s.materials[1].shininess += 1; },
         [](Scene& s) { s.materials[1].doubleSided = !s.materials[1].doubleSided; },
         [](Scene& s) { s.materials[1].baseColorTexture = 0; },
+        [](Scene& s) { s.materials[1].normalTexture = 0; },
+        [](Scene& s) {
+            s.materials[1].normalTexture = 0;
+            s.materials[1].normalTexture->texcoordSet = 1;
+        },
+        [](Scene& s) {
+            s.materials[1].emissionTexture = 0;
+            s.materials[1].emissionTexture->textureFromTexcoord[2].x = 0.5f;
+        },
+        [](Scene& s) { s.materials[1].normalScale = 2; },
+        [](Scene& s) { s.meshes[0].colors.assign(s.meshes[0].positions.size(), glm::vec4(1)); },
+        [](Scene& s) { s.textures[0].mipmaps = Texture::Mipmaps::none; },
+        [](Scene& s) { s.cameras[0].apertureRadius = 0.1f; },
         [](Scene& s) { s.textures[0].image.data[5] = 1; },
         [](Scene& s) { s.textures[0].wrapT = Texture::Wrap::clampToEdge; },
         [](Scene& s) { std::swap(s.instances[0].worldFromModel, s.instances[1].worldFromModel); },

@@ -389,7 +389,7 @@ TEST(Gltf, ReadsTexturesFromViewsUrisAndFilesWithTheirWrapModes) {
         const ImportedScene imported = importScene(folder.file("model.glb", file.glb()));
         EXPECT_THAT(imported.warnings, IsEmpty());
         ASSERT_EQ(imported.scene.textures.size(), 1u) << source;
-        EXPECT_EQ(imported.scene.materials[0].baseColorTexture, 0u);
+        EXPECT_EQ(imported.scene.materials[0].baseColorTexture, TextureUse(0));
         EXPECT_EQ(imported.scene.textures[0].image.data, image.data);
         EXPECT_EQ(imported.scene.textures[0].wrapS, Texture::Wrap::clampToEdge);
         EXPECT_EQ(imported.scene.textures[0].wrapT, Texture::Wrap::mirroredRepeat);

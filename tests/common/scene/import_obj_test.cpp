@@ -299,7 +299,7 @@ TEST(Obj, ReadsMaterialsAndMakesOneMeshOfEach) {
     EXPECT_FLOAT_EQ(wood.roughness, 0.5f);
     EXPECT_TRUE(wood.doubleSided);
     ASSERT_TRUE(wood.baseColorTexture);
-    EXPECT_EQ(scene.textures[*wood.baseColorTexture].image.data, image.data);
+    EXPECT_EQ(scene.textures[wood.baseColorTexture->texture].image.data, image.data);
     const Material& glass = scene.materials[scene.instances[1].material];
     EXPECT_EQ(glass.alphaMode, Material::AlphaMode::blend);
     EXPECT_EQ(glass.baseColor.w, 0.25f);
