@@ -126,7 +126,7 @@ QUINCUNX_ALWAYS_INLINE float boxLane(Components o, Components inverse, Component
         larger(larger(smaller(x.low, x.high), smaller(y.low, y.high)), smaller(z.low, z.high));
     const float exit = smaller(smaller(larger(x.high, x.low), larger(y.high, y.low)), larger(z.high, z.low));
     const float length = exit - enter;
-    const float margin = 8 * epsilon * smaller(std::abs(enter), std::abs(exit));
+    const float margin = 8 * epsilon * smaller(smaller(std::abs(enter), std::abs(exit)), 0x1p120f);
     const bool settled = usual & !std::isunordered(x.low, x.high) & !std::isunordered(y.low, y.high) &
                          !std::isunordered(z.low, z.high) & (exit < 0x1p120f) & (std::abs(exit) > 0x1p-60f) &
                          (std::abs(length) > margin);
