@@ -14,9 +14,9 @@
 ///
 /// Every answer is that of exact arithmetic on the given floats: double arithmetic with a bound on its
 /// rounding errors answers nearly always, and expansions (math/expansion.h) do where the bound leaves it
-/// open. No finite input gives another result. Held by Overlap.* against rationals. That costs 1.2 times the
-/// textbook's form in float for box and plane, 1.6 for two balls, 2.7 for a ball and a plane
-/// (bench_intersect).
+/// open. No finite input gives another result. What is not a number overlaps nothing and is on no one side of
+/// a plane (`crossing`). Held by Overlap.* against rationals. That costs 1.2 times the textbook's form in
+/// float for box and plane, 1.6 for two balls, 2.7 for a ball and a plane (bench_intersect).
 namespace quincunx {
 
 /// n·p + offset with a relative error of at most 2^-32, so of the exact sign: positive in front of the plane.

@@ -1,6 +1,7 @@
 #include "geometry/overlap.h"
 
 #include <cmath>
+#include <limits>
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
@@ -168,6 +169,19 @@ TEST(Overlap, FrustumKeepsWhatIsSeenAndDropsWhatIsFarOutside) {
     EXPECT_GT(dropped, 300);
     EXPECT_FALSE(mayBeVisible(Bounds{}, frustumOf(glm::dmat4(1))));
     EXPECT_TRUE(mayBeVisible({{1, 1, 1}, {2, 2, 2}}, frustumOf(glm::dmat4(1))));
+}
+
+TEST(Overlap, WhatIsNotANumberOverlapsNothingAndIsOnNoSide) {
+    const float notANumber = std::numeric_limits<float>::quiet_NaN();
+    const Ball ball{{0, notANumber, 0}, 1};
+    EXPECT_FALSE(ballsOverlap(ball, Ball{}));
+    EXPECT_FALSE(ballsOverlap(Ball{}, Ball{{0, 0, 0}, notANumber}));
+    EXPECT_EQ(sideOf(ball, Plane{}), Side::crossing);
+    EXPECT_EQ(sideOf(Ball{}, Plane{{0, notANumber, 0}, 1}), Side::crossing);
+    EXPECT_EQ(sideOf(Bounds{{-1, -1, -1}, {1, 1, 1}}, Plane{{0, 1, 0}, notANumber}), Side::crossing);
+    const float endless = std::numeric_limits<float>::infinity();
+    EXPECT_EQ(sideOf(Ball{{endless, 0, 0}, 1}, Plane{}), Side::crossing);
+    EXPECT_FALSE(ballsOverlap(Ball{{endless, 0, 0}, 1}, Ball{{endless, 0, 0}, 1}));
 }
 
 }  // namespace
