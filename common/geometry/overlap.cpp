@@ -187,7 +187,7 @@ bool mayBeVisible(const Bounds& box, const Frustum& frustum) {
             value += term;
             magnitude += std::abs(term);
         }
-        if (value < -4 * u * magnitude)
+        if (value < -8 * u * magnitude)
             return false;
     }
     return true;
@@ -204,7 +204,7 @@ bool mayBeVisible(const Ball& ball, const Frustum& frustum) {
         }
         const double reach =
             ball.radius * std::sqrt(plane.x * plane.x + plane.y * plane.y + plane.z * plane.z);
-        if (value < -reach - 8 * u * (magnitude + reach))
+        if (value < -reach - 12 * u * (magnitude + reach))
             return false;
     }
     return true;

@@ -72,9 +72,9 @@ struct Frustum {
 Frustum frustumOf(const glm::dmat4& clipFromWorld);
 
 /// False only if all of the box lies outside one plane of the frustum: by its corner farthest along the
-/// plane's normal, with 4 · 2^-53 of the terms' magnitudes granted, which is more than the sum's rounding. So
-/// nothing that can be seen is left out; a few boxes near the frustum's edges are kept although they are
-/// outside.
+/// plane's normal, with 8 · 2^-53 of the terms' magnitudes granted: the planes' entries, the products and
+/// three sums are rounded, five times 2^-53. So nothing that can be seen is left out; a few boxes near the
+/// frustum's edges are kept although they are outside.
 bool mayBeVisible(const Bounds& box, const Frustum& frustum);
 bool mayBeVisible(const Ball& ball, const Frustum& frustum);
 
