@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/check.h"
 #include "math/expansion.h"
+#include "math/vector.h"
 
 namespace quincunx {
 namespace {
@@ -34,7 +36,13 @@ float valueNaive(const Plane& plane, glm::vec3 point) {
     return glm::dot(plane.normal, point) + plane.offset;
 }
 
+bool isFinite(const Ball& ball) {
+    return quincunx::isFinite(ball.centre) && std::isfinite(ball.radius);
+}
+
 bool ballsOverlapExactly(const Ball& a, const Ball& b) {
+    if (!isFinite(a) || !isFinite(b))
+        return false;
     Expansion squared;
     for (int axis = 0; axis < 3; ++axis)
         squared = squared + Expansion::difference(a.centre[axis], b.centre[axis]).squared();
@@ -42,6 +50,8 @@ bool ballsOverlapExactly(const Ball& a, const Ball& b) {
 }
 
 bool ballMeetsPlaneExactly(const Ball& ball, const Plane& plane) {
+    if (!isFinite(ball) || !quincunx::isFinite(plane.normal) || !std::isfinite(plane.offset))
+        return true;
     Expansion value = plane.offset;
     Expansion squaredNormal;
     for (int axis = 0; axis < 3; ++axis) {
@@ -55,8 +65,11 @@ bool ballMeetsPlaneExactly(const Ball& ball, const Plane& plane) {
 
 double detail::sumExactly(const std::array<double, 4>& terms) {
     Expansion sum;
-    for (const double term : terms)
+    for (const double term : terms) {
+        if (!std::isfinite(term))
+            return std::numeric_limits<double>::quiet_NaN();
         sum = sum + Expansion(term);
+    }
     return sum.approximate();
 }
 
@@ -174,7 +187,7 @@ bool mayBeVisible(const Bounds& box, const Frustum& frustum) {
             value += term;
             magnitude += std::abs(term);
         }
-        if (value < -4 * u * magnitude)
+        if (value < -8 * u * magnitude)
             return false;
     }
     return true;
@@ -191,7 +204,7 @@ bool mayBeVisible(const Ball& ball, const Frustum& frustum) {
         }
         const double reach =
             ball.radius * std::sqrt(plane.x * plane.x + plane.y * plane.y + plane.z * plane.z);
-        if (value < -reach - 8 * u * (magnitude + reach))
+        if (value < -reach - 12 * u * (magnitude + reach))
             return false;
     }
     return true;

@@ -14,9 +14,9 @@
 ///
 /// Every answer is that of exact arithmetic on the given floats: double arithmetic with a bound on its
 /// rounding errors answers nearly always, and expansions (math/expansion.h) do where the bound leaves it
-/// open. No finite input gives another result. Held by Overlap.* against rationals. That costs 1.2 times the
-/// textbook's form in float for box and plane, 1.6 for two balls, 2.7 for a ball and a plane
-/// (bench_intersect).
+/// open. No finite input gives another result. What is not a number overlaps nothing and is on no one side of
+/// a plane (`crossing`). Held by Overlap.* against rationals. That costs 1.2 times the textbook's form in
+/// float for box and plane, 1.6 for two balls, 2.7 for a ball and a plane (bench_intersect).
 namespace quincunx {
 
 /// n·p + offset with a relative error of at most 2^-32, so of the exact sign: positive in front of the plane.
@@ -72,9 +72,9 @@ struct Frustum {
 Frustum frustumOf(const glm::dmat4& clipFromWorld);
 
 /// False only if all of the box lies outside one plane of the frustum: by its corner farthest along the
-/// plane's normal, with 4 · 2^-53 of the terms' magnitudes granted, which is more than the sum's rounding. So
-/// nothing that can be seen is left out; a few boxes near the frustum's edges are kept although they are
-/// outside.
+/// plane's normal, with 8 · 2^-53 of the terms' magnitudes granted: the planes' entries, the products and
+/// three sums are rounded, five times 2^-53. So nothing that can be seen is left out; a few boxes near the
+/// frustum's edges are kept although they are outside.
 bool mayBeVisible(const Bounds& box, const Frustum& frustum);
 bool mayBeVisible(const Ball& ball, const Frustum& frustum);
 

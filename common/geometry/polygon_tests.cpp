@@ -346,12 +346,15 @@ std::optional<PolygonHit> intersectPolygon(const Ray& ray, std::span<const glm::
     const glm::vec3 o = ray.origin;
     const glm::vec3 d = ray.direction;
     PolygonHit hit;
-    const detail::Estimate height = detail::orientationEstimate(a, b, c, o);
-    hit.t = -(isPrecise(height) ? height.value : detail::orientationValue(a, b, c, o)) / facing;
+    // The determinants with differences from corner a, not from the ray's origin, which may be far away:
+    // their estimates are the more precise, and seldom need the exact sums.
+    const detail::Estimate height = detail::orientationEstimate(o, b, c, a);
+    hit.t =
+        (isPrecise(height) ? height.value : detail::orientationValue(o, b, c, a)) / facing + 0.0;  // no −0
     if (hit.t < 0)
         return std::nullopt;
-    const double alongB = preciseSide(o, d, c, a) / facing;
-    const double alongC = preciseSide(o, d, a, b) / facing;
+    const double alongB = -preciseSide(a, d, c, o) / facing;
+    const double alongC = preciseSide(a, d, b, o) / facing;
     hit.point = glm::vec3(first + alongB * (glm::dvec3(b) - first) + alongC * (glm::dvec3(c) - first));
     hit.boundary = location == PointLocation::boundary;
     hit.front = facing < 0;
@@ -427,7 +430,7 @@ std::optional<ParallelogramHit> intersectParallelogramExactly(const Ray& ray, co
     };
     if (beyond(alongU, u, v, d) || beyond(alongV, v, d, u))
         return std::nullopt;
-    return ParallelogramHit{.t = along / facing,
+    return ParallelogramHit{.t = along / facing + 0.0,  // no −0
                             .ab = glm::min(glm::vec2(glm::dvec2(alongU, alongV) / facing), glm::vec2(1)),
                             .front = facing < 0};
 }

@@ -98,7 +98,12 @@ inline Filtered nearestWithin(double middle, double half, double gap, double sca
     return {Verdict::open};
 }
 
+// What is not finite is left open by every bound, and so ends in one of the exact forms.
+
 std::optional<Meeting> meetSphereExactly(const DRay& ray, const DBall& ball) {
+    if (!isFinite(ray.origin) || !isFinite(ray.direction) || !isFinite(ball.centre) ||
+        !std::isfinite(ball.radius))
+        return std::nullopt;
     const ExactVector toCentre = exactDifference(ball.centre, ray.origin);
     const ExactVector direction = exact(ray.direction);
     const Expansion a = dot(direction, direction);
@@ -181,7 +186,15 @@ glm::dvec3 fromAxis(const Ray& ray, const Cylinder& cylinder, double t) {
     return glm::cross(axis, glm::cross(p, axis));
 }
 
+bool isFinite(const Ray& ray, const Cylinder& cylinder) {
+    return quincunx::isFinite(ray.origin) && quincunx::isFinite(ray.direction) &&
+           quincunx::isFinite(cylinder.base) && quincunx::isFinite(cylinder.axis) &&
+           std::isfinite(cylinder.radius);
+}
+
 std::optional<Meeting> meetCylinderExactly(const Ray& ray, const Cylinder& cylinder) {
+    if (!isFinite(ray, cylinder))
+        return std::nullopt;
     const ExactCylinder sides = exactCylinder(exactDifference(cylinder.base, ray.origin),
                                               exact(ray.direction), exact(cylinder.axis), cylinder.radius);
     if (sides.discriminantSign < 0)
@@ -292,6 +305,8 @@ struct CappedMeeting {
 };
 
 std::optional<CappedMeeting> meetCappedExactly(const Ray& ray, const Cylinder& cylinder) {
+    if (!isFinite(ray, cylinder))
+        return std::nullopt;
     // Powers of two keep the polynomials of degree 8 in range: t does not change with the unit of length if
     // the direction scales along with it, and is scaled back otherwise.
     const glm::vec3 o = ray.origin;
@@ -343,7 +358,8 @@ std::optional<CappedMeeting> meetCappedExactly(const Ray& ray, const Cylinder& c
     const int atFirst = parallel ? sides.c.sign() : sideAt(first);
     const int atLast = last.infinite ? 1 : parallel ? sides.c.sign() : sideAt(last);
     const Roots roots{sides.b.approximate(), sides.c.approximate(), sides.a.approximate(), sides.spread};
-    const auto result = [&](double t, int cap) { return CappedMeeting{t * tScale, cap}; };
+    // Below zero only by rounding, where the numbers are too far apart for exactness.
+    const auto result = [&](double t, int cap) { return CappedMeeting{std::max(0.0, t * tScale), cap}; };
     if (atFirst > 0 && atLast > 0) {
         // Outside at both ends: a hit only if the chord lies between them.
         if (parallel || sides.discriminantSign < 0)
@@ -419,7 +435,7 @@ inline std::optional<double> meetPlane(const Ray& ray, const Plane& plane) {
     if (approach == 0)
         return std::nullopt;
     const double t = -height / approach;
-    return t >= 0 ? std::optional(t) : std::nullopt;
+    return t > 0 && t < infinity && std::abs(approach) < infinity ? std::optional(t) : std::nullopt;
 }
 
 /// Whether n₁/d₁ ≤ n₂/d₂ for n = to − from; d₁, d₂ not zero.
@@ -440,6 +456,10 @@ struct Slabs {
 /// The line in the box; quotients are off by 3u of themselves (difference, reciprocal, product).
 inline std::optional<Slabs> slabsOf(const Ray& ray, const Bounds& box) {
     if (box.empty() || ray.direction == glm::vec3(0)) [[unlikely]]
+        return std::nullopt;
+    // Comparisons below would pass over what is not a number.
+    if (!quincunx::isFinite(ray.origin) || !quincunx::isFinite(ray.direction) ||
+        !quincunx::isFinite(box.min) || !quincunx::isFinite(box.max)) [[unlikely]]
         return std::nullopt;
     Slabs slabs;
     const auto through = [&](float o, float d, float low, float high, int axis) {
@@ -641,7 +661,7 @@ std::optional<RaySpan> rayBox(const Ray& ray, const Bounds& box) {
     const std::optional<Slabs> slabs = slabsOf(ray, box);
     if (!slabs)
         return std::nullopt;
-    return RaySpan{std::max(slabs->enter, 0.0), slabs->exit};
+    return RaySpan{std::max(0.0, slabs->enter), std::max(0.0, slabs->exit)};
 }
 
 std::optional<RayHit> rayBoxSurface(const Ray& ray, const Bounds& box) {
@@ -649,7 +669,7 @@ std::optional<RayHit> rayBoxSurface(const Ray& ray, const Bounds& box) {
     if (!slabs)
         return std::nullopt;
     const bool outside = slabs->enter >= 0;
-    double t = outside ? slabs->enter : slabs->exit;
+    double t = std::max(0.0, outside ? slabs->enter : slabs->exit);
     int axis = outside ? slabs->enterAxis : slabs->exitAxis;
     bool onMax = (ray.direction[axis] > 0) != outside;
     if (!outside) {

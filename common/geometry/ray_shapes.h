@@ -14,7 +14,8 @@
 /// and where the bound leaves it open, expansions do (math/expansion.h). Shapes are closed: touching counts,
 /// and an origin on the surface hits it at t = 0. t has a relative error of at most 2^-31, so rounded to
 /// float it is within 0.51 ulp. Finite input never gives NaN or infinity, except that a point or a t rounded
-/// to float may leave float's range. A direction of zero gives no hit. Held by RayShapes.* against rationals.
+/// to float may leave float's range. A direction of zero gives no hit, nor does input that is not finite; a t
+/// of zero is +0. Held by RayShapes.* against rationals.
 ///
 /// What exactness costs against the textbook's form in float (bench_intersect, whole arrays): nothing for
 /// planes, 1.5 to 1.7 times for balls, boxes and cylinders, 2.2 times for capped ones. `...Distance` gives t

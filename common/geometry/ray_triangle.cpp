@@ -48,6 +48,8 @@ int compareExactly(const Ray& ray, const Triangle& triangle, float limit) {
 
 /// Whether tMin ≤ t ≤ tMax for a t that is known to a relative 2^-33.
 bool isWithin(double t, const Ray& ray, const Triangle& triangle, RayInterval interval) {
+    if (std::isnan(interval.tMin) || std::isnan(interval.tMax)) [[unlikely]]
+        return false;
     const double doubt = 0x1p-33 * std::abs(t);
     if (!(t - interval.tMin > doubt) &&
         (interval.tMin - t > doubt || compareExactly(ray, triangle, interval.tMin) < 0))
@@ -173,7 +175,7 @@ std::optional<TriangleHit> ShearedRay::intersectExactly(const Triangle& triangle
     const bool front = slope < 0;
     if (sides == Sides::front && !front)
         return std::nullopt;
-    const double t = -detail::orientationValue(a, b, c, o) / slope;
+    const double t = -detail::orientationValue(a, b, c, o) / slope + 0.0;  // no −0
     if (!isWithin(t, ray_, triangle, interval))
         return std::nullopt;
     const double toB = v / slope;

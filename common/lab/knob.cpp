@@ -62,8 +62,9 @@ void KnobSet::set(const std::vector<std::pair<std::string, std::string>>& values
         find(name).parse(value);
 }
 
-FloatKnob::FloatKnob(KnobSet& owner, std::string name, float value, Range range, std::string unit,
-                     std::string help)
+template <typename Number>
+NumberKnob<Number>::NumberKnob(KnobSet& owner, std::string name, Number value, Range range, std::string unit,
+                               std::string help)
     : Knob(owner, std::move(name), std::move(unit), std::move(help)),
       value_(value),
       default_(value),
@@ -72,48 +73,29 @@ FloatKnob::FloatKnob(KnobSet& owner, std::string name, float value, Range range,
     rememberDefault();
 }
 
-void FloatKnob::set(float value) {
+template <typename Number>
+void NumberKnob<Number>::set(Number value) {
     QX_CHECK(value >= range_.min && value <= range_.max);
     value_ = value;
 }
 
-std::string FloatKnob::text() const {
+template <typename Number>
+std::string NumberKnob<Number>::text() const {
     return fmt::format("{}", value_);
 }
 
-void FloatKnob::parse(std::string_view text) {
+template <typename Number>
+void NumberKnob<Number>::parse(std::string_view text) {
     value_ = parseNumber(*this, text, range_.min, range_.max);
 }
 
-std::string FloatKnob::allowed() const {
+template <typename Number>
+std::string NumberKnob<Number>::allowed() const {
     return fmt::format("{} … {}", range_.min, range_.max);
 }
 
-IntKnob::IntKnob(KnobSet& owner, std::string name, int value, Range range, std::string unit, std::string help)
-    : Knob(owner, std::move(name), std::move(unit), std::move(help)),
-      value_(value),
-      default_(value),
-      range_(range) {
-    QX_CHECK(value >= range.min && value <= range.max);
-    rememberDefault();
-}
-
-void IntKnob::set(int value) {
-    QX_CHECK(value >= range_.min && value <= range_.max);
-    value_ = value;
-}
-
-std::string IntKnob::text() const {
-    return fmt::format("{}", value_);
-}
-
-void IntKnob::parse(std::string_view text) {
-    value_ = parseNumber(*this, text, range_.min, range_.max);
-}
-
-std::string IntKnob::allowed() const {
-    return fmt::format("{} … {}", range_.min, range_.max);
-}
+template class NumberKnob<float>;
+template class NumberKnob<int>;
 
 BoolKnob::BoolKnob(KnobSet& owner, std::string name, bool value, std::string help)
     : Knob(owner, std::move(name), {}, std::move(help)), value_(value), default_(value) {

@@ -69,16 +69,18 @@ class KnobSet {
 };
 
 /// A number in a closed range. Not finite or out of range is an InputError, never clamped in silence.
-class FloatKnob final : public Knob {
+template <typename Number>
+class NumberKnob final : public Knob {
   public:
     struct Range {
-        float min = 0;
-        float max = 1;
+        Number min = 0;
+        Number max = 1;
         bool logarithmic = false;  ///< how a slider spreads it
     };
-    FloatKnob(KnobSet& owner, std::string name, float value, Range range, std::string unit, std::string help);
-    operator float() const { return value_; }  // NOLINT: a knob reads as its value
-    void set(float value);
+    NumberKnob(KnobSet& owner, std::string name, Number value, Range range, std::string unit,
+               std::string help);
+    operator Number() const { return value_; }  // NOLINT: a knob reads as its value
+    void set(Number value);
     const Range& range() const { return range_; }
     std::string text() const override;
     void parse(std::string_view text) override;
@@ -86,33 +88,14 @@ class FloatKnob final : public Knob {
     void reset() override { value_ = default_; }
 
   private:
-    float value_;
-    float default_;
+    Number value_;
+    Number default_;
     Range range_;
 };
-
-/// A whole number in a closed range.
-class IntKnob final : public Knob {
-  public:
-    struct Range {
-        int min = 0;
-        int max = 1;
-        bool logarithmic = false;
-    };
-    IntKnob(KnobSet& owner, std::string name, int value, Range range, std::string unit, std::string help);
-    operator int() const { return value_; }  // NOLINT: a knob reads as its value
-    void set(int value);
-    const Range& range() const { return range_; }
-    std::string text() const override;
-    void parse(std::string_view text) override;
-    std::string allowed() const override;
-    void reset() override { value_ = default_; }
-
-  private:
-    int value_;
-    int default_;
-    Range range_;
-};
+extern template class NumberKnob<float>;
+extern template class NumberKnob<int>;
+using FloatKnob = NumberKnob<float>;
+using IntKnob = NumberKnob<int>;  ///< whole numbers
 
 /// On or off.
 class BoolKnob final : public Knob {

@@ -129,7 +129,7 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
         "set terminal svg size 960,640 dynamic noenhanced font 'DejaVu Sans,13' background '#ffffff'\n"
         "set output {}\n"
         "set title {} font ',15'\n"
-        "set xlabel 'time of a frame (ms)'\n"
+        "set xlabel 'time (ms)'\n"
         "set ylabel {}\n"
         "set label {} at screen 0.99,0.015 right font ',9' tc rgb '#666666'\n"
         "set label {} at screen 0.01,0.015 left font ',9' tc rgb '#666666'\n"

@@ -9,7 +9,7 @@ QuadraticRoots solveQuadratic(float a, float b, float c) {
     if (a == 0) {
         if (b == 0)
             return {c == 0 ? QuadraticRoots::everywhere : 0, 0, 0};
-        const double root = -static_cast<double>(c) / b;
+        const double root = -static_cast<double>(c) / b + 0.0;  // no −0
         return {1, root, root};
     }
     const double linear = b;
@@ -17,12 +17,12 @@ QuadraticRoots solveQuadratic(float a, float b, float c) {
     if (discriminant < 0)
         return {};
     if (discriminant == 0) {
-        const double root = -linear / (2.0 * a);
+        const double root = -linear / (2.0 * a) + 0.0;
         return {1, root, root};
     }
     const double q = -0.5 * (linear + std::copysign(std::sqrt(discriminant), linear));
     const double x = q / a;
-    const double y = c / q;
+    const double y = c / q + 0.0;
     return {2, std::min(x, y), std::max(x, y)};
 }
 

@@ -101,6 +101,9 @@ void TransformsLab::markIdleKnobs() {
     const char* why = shown == View::picture ? "" : "for --view=picture only";
     worldOffset.setIdle(why);
     precision.setIdle(why);
+    rebaseEvery.setIdle(shown != View::picture                            ? why
+                        : precision.as<Precision>() == Precision::rebased ? ""
+                                                                          : "for --precision=rebased only");
 }
 
 graph::Resource TransformsLab::build(graph::FrameGraph& graph, const Frame& frame) {
@@ -156,6 +159,20 @@ void TransformsLab::drawScene(graph::PassContext& context, const glm::mat4& worl
     counters_["triangles"] += boat_.triangleCount();
 }
 
+glm::dvec3 TransformsLab::subtractedFor(glm::dvec3 eyeWorld) const {
+    switch (precision.as<Precision>()) {
+        case Precision::absolute:
+            return glm::dvec3(0);
+        case Precision::eyeRelative:
+            return eyeWorld;
+        case Precision::rebased: {
+            const double step = static_cast<float>(rebaseEvery);
+            return step * glm::floor(eyeWorld / step);
+        }
+    }
+    return glm::dvec3(0);
+}
+
 TransformsLab::PlacedView TransformsLab::placedView(const Frame& frame) const {
     const double away = static_cast<float>(worldOffset);
     const glm::dvec3 offset(away, 0, away);
@@ -164,12 +181,10 @@ TransformsLab::PlacedView TransformsLab::placedView(const Frame& frame) const {
     glm::dmat4 worldFromSea(worldFromSea_);
     for (glm::dmat4* placed : {&worldFromEye, &worldFromModel, &worldFromSea})
         (*placed)[3] += glm::dvec4(offset, 0);
-    if (precision.as<Precision>() == Precision::eyeRelative) {
-        // A world of the same axes, whose origin is the eye: subtracted in double.
-        const glm::dvec4 eye(glm::dvec3(worldFromEye[3]), 0);
-        for (glm::dmat4* placed : {&worldFromEye, &worldFromModel, &worldFromSea})
-            (*placed)[3] -= eye;
-    }
+    // A world of the same axes with another origin.
+    const glm::dvec4 origin(subtractedFor(glm::dvec3(worldFromEye[3])), 0);
+    for (glm::dmat4* placed : {&worldFromEye, &worldFromModel, &worldFromSea})
+        (*placed)[3] -= origin;
     const glm::mat4 pose(worldFromEye);
     const float aspect = static_cast<float>(frame.width) / static_cast<float>(frame.height);
     return {glm::mat4(worldFromModel), glm::mat4(worldFromSea),

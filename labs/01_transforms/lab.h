@@ -20,7 +20,7 @@ namespace quincunx {
 class TransformsLab final : public Lab {
   public:
     enum class View { spaces, orders, picture };
-    enum class Precision { absolute, eyeRelative };
+    enum class Precision { absolute, eyeRelative, rebased };
     /// How the camera's pose is inverted; the naive ones are in float.
     enum class Inverse { rigid, rigidNaive, affine, affineNaive, general, generalNaive, inDouble };
     static constexpr int orderCount = 6;
@@ -73,9 +73,12 @@ class TransformsLab final : public Lab {
                           "units", "Carries boat, sea and eye away from the world's origin"};
     ChoiceKnob precision{knobs(),
                          "precision",
-                         {"absolute", "eye-relative"},
+                         {"absolute", "eye-relative", "rebased"},
                          1,
-                         "What reaches the shader: world coordinates, or what is left after the eye's"};
+                         "What reaches the shader: world coordinates, what is left after the eye's, or after "
+                         "those of an origin that follows the eye in steps"};
+    FloatKnob rebaseEvery{knobs(),         "rebase-every", 4096,
+                          {1, 1e8f, true}, "units",        "The steps of the origin that follows the eye"};
     ChoiceKnob inverse{
         knobs(),
         "inverse",
@@ -93,7 +96,7 @@ class TransformsLab final : public Lab {
     /// The parts' placements in the boat.
     const std::vector<glm::mat4>& boatFromPart() const { return boatFromPart_; }
     BoatVertex chosenVertex() const { return vertices_[static_cast<std::size_t>(vertex.index())]; }
-    /// What the picture's shader gets: the knobs `precision` and `world-offset` at work.
+    /// What the picture's shader gets: the knobs `precision`, `rebase-every` and `world-offset` at work.
     struct PlacedView {
         glm::mat4 worldFromBoat{1};
         glm::mat4 worldFromSea{1};
@@ -101,6 +104,8 @@ class TransformsLab final : public Lab {
         glm::vec3 eyeWorld{0};
     };
     PlacedView placedView(const Frame& frame) const;
+    /// What is subtracted, in double, before places of a world become floats, for an eye there.
+    glm::dvec3 subtractedFor(glm::dvec3 eyeWorld) const;
     /// The pose's inverse by the routine of a knob's choice; what has no inverse gives the identity.
     static glm::mat4 inverted(const glm::mat4& pose, Inverse routine);
 

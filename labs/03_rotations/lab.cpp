@@ -87,6 +87,22 @@ Bounds RotationsLab::sceneBounds() const {
     return {.min = glm::vec3(-1.9f, -2.2f, -1.9f), .max = glm::vec3(1.9f)};
 }
 
+void RotationsLab::markIdleKnobs() {
+    const View shown = view.as<View>();
+    const bool flies = shown == View::interpolation;
+    const char* const fixedTurn = shown == View::drift ? "the drift is of a turn of its own" : "";
+    for (Knob* knob : {static_cast<Knob*>(&head), static_cast<Knob*>(&pitch), static_cast<Knob*>(&roll)})
+        knob->setIdle(fixedTurn);
+    order.setIdle(fixedTurn);
+    for (Knob* knob : {static_cast<Knob*>(&fromHead), static_cast<Knob*>(&fromPitch),
+                       static_cast<Knob*>(&fromRoll), static_cast<Knob*>(&t), static_cast<Knob*>(&method)})
+        knob->setIdle(flies ? "" : "for --view=interpolation only");
+    renormalizeEvery.setIdle(shown == View::drift ? "" : "for --view=drift only");
+    rings.setIdle(shown == View::gimbal ? ""
+                  : shown == View::lock ? "the lock is shown by its rings"
+                                        : "no gimbal is shown");
+}
+
 graph::Resource RotationsLab::build(graph::FrameGraph& graph, const Frame& frame) {
     const PictureTargets targets =
         addPictureTargets(graph, {frame.pictureFormat, frame.width, frame.height, supersample});

@@ -25,6 +25,7 @@ class RotationsLab final : public Lab {
         return "Euler angles, gimbal lock, quaternions and their interpolation";
     }
     graph::Resource build(graph::FrameGraph& graph, const Frame& frame) override;
+    void markIdleKnobs() override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
     std::vector<Question> questions() override;

@@ -136,7 +136,7 @@ SweepSample measureMethod(const Pairs& pairs, Method method) {
 Sweep interpolationSweep(RotationsLab& lab) {
     Sweep sweep;
     sweep.name = "interpolation";
-    sweep.title = "4096 poses half-way between others: what constant speed costs";
+    sweep.title = "4096 poses somewhere between two others: what constant speed costs";
     sweep.reference = "slerp in quadruple precision";
     sweep.metric = "RMS angle";
     sweep.errorUnit = "rad";

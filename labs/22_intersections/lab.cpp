@@ -104,16 +104,34 @@ void IntersectionsLab::castPanels(const Frame& frame) {
     const std::vector<Exhibit> shown = exhibits();
     for (const Panel& panel : panels(frame)) {
         const Lens seenBy = lens(frame, static_cast<double>(panel.width) / frame.height);
-        const glm::dmat4 clipFromWorld =
-            seenBy.clipFromLocal(place()) * glm::translate(glm::dmat4(1), -glm::dvec3(place()));
-        casts_.push_back(panel.map
-                             ? castMap(shown, seenBy, clipFromWorld, panel.width, frame.height, approach())
-                             : castScene(shown, seenBy, clipFromWorld, panel.width, frame.height, approach(),
-                                         supersample));
+        const glm::dmat4 clip = clipFromWorld(seenBy);
+        casts_.push_back(
+            panel.map ? castMap(shown, seenBy, clip, panel.width, frame.height, approach())
+                      : castScene(shown, seenBy, clip, panel.width, frame.height, approach(), supersample));
         for (const auto& [name, count] : casts_.back().counts)
             counters_[name] += count;
     }
     castState_ = std::move(state);
+}
+
+glm::dmat4 IntersectionsLab::clipFromWorld(const Lens& seenBy) const {
+    return seenBy.clipFromLocal(place()) * glm::translate(glm::dmat4(1), -glm::dvec3(place()));
+}
+
+Lab::ReferenceJob IntersectionsLab::reference(const Frame& frame) const {
+    // Only where nothing is drawn over what was cast.
+    if (view.as<View>() != View::scene || probe)
+        return {};
+    const Lens seenBy = lens(frame, static_cast<double>(frame.width) / frame.height);
+    return [exhibits = exhibits(), seenBy, clip = clipFromWorld(seenBy), frame,
+            samples = static_cast<int>(supersample)](const std::atomic<bool>& stop) {
+        Image exact =
+            castScene(exhibits, seenBy, clip, frame.width, frame.height, {Method::stable}, samples, &stop)
+                .color;
+        for (std::size_t i = 0; i < exact.pixelCount(); ++i)
+            exact.data[4 * i + 3] = 1;  // of the depth no more is needed
+        return exact;
+    };
 }
 
 void IntersectionsLab::markIdleKnobs() {

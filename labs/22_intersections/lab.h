@@ -27,6 +27,8 @@ class IntersectionsLab final : public Lab {
     std::vector<HardCase> hardCases() override;
     /// Rays, and on a map the pixels where the method is wrong, by kind.
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }
+    ReferenceJob reference(const Frame& frame) const override;
+    std::string referenceName() const override { return "the same rays, met by the stable routines"; }
 
     ChoiceKnob view{knobs(),
                     "view",
@@ -79,6 +81,7 @@ class IntersectionsLab final : public Lab {
     };
     std::vector<Panel> panels(const Frame& frame) const;
     glm::vec3 place() const;
+    glm::dmat4 clipFromWorld(const Lens& seenBy) const;
     /// All that the pixels depend on.
     std::vector<double> stateOf(const Frame& frame) const;
     void castPanels(const Frame& frame);

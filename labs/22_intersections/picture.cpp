@@ -194,10 +194,12 @@ glm::vec3 colorOf(const Judged& judged) {
 }
 
 Cast castScene(const std::vector<Exhibit>& exhibits, const Lens& lens, const glm::dmat4& clipFromWorld,
-               int width, int height, const Approach& approach, int samples) {
+               int width, int height, const Approach& approach, int samples, const std::atomic<bool>* stop) {
     Cast cast{Image(width, height, 4, Encoding::linear), {}};
     const glm::vec3 place = placeOf(exhibits);
     forRows(height, [&](int y) {
+        if (stop != nullptr && *stop)
+            return;
         for (int x = 0; x < width; ++x) {
             glm::vec3 sum(0);
             float depth = 1;

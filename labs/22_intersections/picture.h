@@ -57,9 +57,11 @@ struct Cast {
     std::map<std::string, std::uint64_t> counts;
 };
 
-/// What a picture of `samples`² rays a pixel shows by a method: lit, with shadows.
+/// What a picture of `samples`² rays a pixel shows by a method: lit, with shadows. When `stop` becomes true,
+/// the remaining rows are left at zero.
 Cast castScene(const std::vector<Exhibit>& exhibits, const Lens& lens, const glm::dmat4& clipFromWorld,
-               int width, int height, const Approach& approach, int samples);
+               int width, int height, const Approach& approach, int samples,
+               const std::atomic<bool>* stop = nullptr);
 
 /// The same in grey and darkened, one ray a pixel, with the pixels where the method is wrong in colours.
 Cast castMap(const std::vector<Exhibit>& exhibits, const Lens& lens, const glm::dmat4& clipFromWorld,

@@ -159,6 +159,29 @@ TEST_P(Rotations03, LockedGimbalTurnsTheBodyAlikeByItsOuterAndItsInnerRing) {
     EXPECT_GT(rmse(free, aeroplane(small)), 0.02);
 }
 
+TEST_P(Rotations03, KnobsSayWhenTheyChangeNothing) {
+    for (const int view : {0, 1, 2, 3}) {
+        lab_.view.set(view);
+        lab_.markIdleKnobs();
+        const Image before = picture(large);
+        for (Knob* knob : lab_.knobs().all()) {
+            if (knob->name() == "view" || knob->name() == "supersample" || knob->name() == "notes")
+                continue;
+            if (auto* number = dynamic_cast<FloatKnob*>(knob))
+                number->set(0.6f * number->range().max);
+            else if (auto* whole = dynamic_cast<IntKnob*>(knob))
+                whole->set(4096);
+            else if (auto* choice = dynamic_cast<ChoiceKnob*>(knob))
+                choice->set(2);
+            else if (auto* flag = dynamic_cast<BoolKnob*>(knob))
+                flag->set(!*flag);
+            EXPECT_EQ(largestDifference(before, picture(large)) > 0.01, knob->idle().empty())
+                << knob->name() << " in " << lab_.view.text();
+            knob->reset();
+        }
+    }
+}
+
 TEST_P(Rotations03, WholeTurnsDoNotShow) {
     turn(-180, 180, -180);
     const Image first = picture(small);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 
@@ -263,6 +264,27 @@ TEST(Intersections22Routines, HitsHaveUnitNormalsTowardsTheRay) {
                 }
     }
     EXPECT_GT(hits, 1000);
+}
+
+TEST(Intersections22Reference, IsThePictureOfTheStableRoutinesWhereNothingIsDrawnOverIt) {
+    IntersectionsLab lab;
+    Studio studio(gl::Backend::egl);
+    const Frame frame = studio.frame(lab, 96, 72);
+    EXPECT_FALSE(lab.reference(frame));
+    lab.view.parse("scene");
+    EXPECT_FALSE(lab.reference(frame));
+    lab.probe.set(false);
+    lab.distance.set(512);
+    const Lab::ReferenceJob job = lab.reference(frame);
+    ASSERT_TRUE(job);
+    std::atomic<bool> stop = false;
+    const Image reference = job(stop);
+    lab.method.parse("stable");
+    EXPECT_EQ(rmse(reference, studio.linearPicture(lab, frame)), 0);
+    lab.method.parse("naive");
+    EXPECT_GT(rmse(reference, studio.linearPicture(lab, frame)), 0.05);
+    stop = true;
+    EXPECT_NE(job(stop), reference);
 }
 
 TEST(Intersections22Pictures, AreThoseOfTheRepository) {

@@ -1,6 +1,7 @@
 #include "geometry/overlap.h"
 
 #include <cmath>
+#include <limits>
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
@@ -168,6 +169,52 @@ TEST(Overlap, FrustumKeepsWhatIsSeenAndDropsWhatIsFarOutside) {
     EXPECT_GT(dropped, 300);
     EXPECT_FALSE(mayBeVisible(Bounds{}, frustumOf(glm::dmat4(1))));
     EXPECT_TRUE(mayBeVisible({{1, 1, 1}, {2, 2, 2}}, frustumOf(glm::dmat4(1))));
+}
+
+TEST(Overlap, FrustumKeepsPointsThatAreJustInside) {
+    using oracle::Rational;
+    StressInputs draw(110);
+    int inside = 0;
+    for (int i = 0; i < 20'000; ++i) {
+        // A matrix whose left plane goes through the point, but for rounding; the point is in the middle of
+        // the others.
+        const glm::vec3 p = draw.vectorOfMagnitude(-4, 20);
+        const glm::dvec3 x(draw.magnitude(-2, 2) * draw.direction());
+        glm::dvec4 last(draw.direction(), 0);
+        last.w = draw.magnitude(-20, 4) * draw.sign() - glm::dot(glm::dvec3(last), glm::dvec3(p));
+        if (glm::dot(last, glm::dvec4(glm::dvec3(p), 1)) < 0)
+            last = -last;
+        glm::dmat4 rows(0);
+        rows[3] = last;
+        rows[0] = glm::dvec4(x, -glm::dot(last, glm::dvec4(glm::dvec3(p), 1)) - glm::dot(x, glm::dvec3(p)));
+        Rational w = Rational(last.w);
+        Rational fromLeft = Rational(last.w) + Rational(rows[0].w);
+        for (int axis = 0; axis < 3; ++axis) {
+            const Rational coordinate(static_cast<double>(p[axis]));
+            w += Rational(last[axis]) * coordinate;
+            fromLeft += (Rational(last[axis]) + Rational(rows[0][axis])) * coordinate;
+        }
+        if (w < 0 || fromLeft < 0 || fromLeft > 2 * w)
+            continue;
+        ++inside;
+        const Frustum frustum = frustumOf(glm::transpose(rows));
+        EXPECT_TRUE(mayBeVisible(Bounds{p, p}, frustum)) << i;
+        EXPECT_TRUE(mayBeVisible(Ball{p, 0}, frustum)) << i;
+    }
+    EXPECT_GT(inside, 8000);
+}
+
+TEST(Overlap, WhatIsNotANumberOverlapsNothingAndIsOnNoSide) {
+    const float notANumber = std::numeric_limits<float>::quiet_NaN();
+    const Ball ball{{0, notANumber, 0}, 1};
+    EXPECT_FALSE(ballsOverlap(ball, Ball{}));
+    EXPECT_FALSE(ballsOverlap(Ball{}, Ball{{0, 0, 0}, notANumber}));
+    EXPECT_EQ(sideOf(ball, Plane{}), Side::crossing);
+    EXPECT_EQ(sideOf(Ball{}, Plane{{0, notANumber, 0}, 1}), Side::crossing);
+    EXPECT_EQ(sideOf(Bounds{{-1, -1, -1}, {1, 1, 1}}, Plane{{0, 1, 0}, notANumber}), Side::crossing);
+    const float endless = std::numeric_limits<float>::infinity();
+    EXPECT_EQ(sideOf(Ball{{endless, 0, 0}, 1}, Plane{}), Side::crossing);
+    EXPECT_FALSE(ballsOverlap(Ball{{endless, 0, 0}, 1}, Ball{{endless, 0, 0}, 1}));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "geometry/intersection_oracle.h"
+#include "geometry/polygon_tests.h"
+#include "geometry/ray_triangle.h"
 #include "math/stress_inputs.h"
 #include "math/ulp.h"
 #include "tests/support/oracle.h"
@@ -418,6 +421,76 @@ TEST(RayShapes, DegenerateInputHasADocumentedAnswer) {
     EXPECT_EQ(rayBox({{1, 0, 0}, {1, 0, 0}}, {{-1, -1, -1}, {1, 1, 1}})->exit, 0.0);
     EXPECT_EQ(rayBoxSurface({{1, 0, 0}, {0, 1, 0}}, {{-1, -1, -1}, {1, 1, 1}})->t, 0.0);
     EXPECT_EQ(rayPlaneDistance({{3, 0, 4}, {1, 0, 0}}, {{0, 1, 0}, 0}), 0.0);
+}
+
+TEST(RayShapes, WhatIsNotFiniteIsNotMet) {
+    const float endless = std::numeric_limits<float>::infinity();
+    const float notANumber = std::numeric_limits<float>::quiet_NaN();
+    // A ray and shapes that it meets, of which one number after the other is spoilt.
+    struct Everything {
+        Ray ray{{0.25f, 0.125f, -4}, {0.0625f, 0.03125f, 1}};
+        Ball ball{{0, 0, 0}, 1};
+        Cylinder cylinder{{0, 0, -1}, {0.25f, 0.5f, 2}, 1};
+        Plane plane{{0.25f, 0.5f, 1}, 0.5f};
+        Bounds box{{-1, -1, -1}, {1, 1, 1}};
+    };
+    const auto met = [](const Everything& e) {
+        return std::array<bool, 6>{raySphere(e.ray, e.ball).has_value(),
+                                   rayCylinder(e.ray, e.cylinder).has_value(),
+                                   rayCappedCylinder(e.ray, e.cylinder).has_value(),
+                                   rayPlane(e.ray, e.plane).has_value(),
+                                   rayBoxSurface(e.ray, e.box).has_value(),
+                                   rayBox(e.ray, e.box).has_value()};
+    };
+    EXPECT_EQ(met({}), (std::array<bool, 6>{true, true, true, true, true, true}));
+    for (const float wrong : {endless, -endless, notANumber})
+        for (int axis = 0; axis < 3; ++axis) {
+            Everything spoilt;
+            spoilt.ray.origin[axis] = wrong;
+            EXPECT_EQ(met(spoilt), (std::array<bool, 6>{})) << wrong << " in the origin's " << axis;
+            spoilt = {};
+            spoilt.ray.direction[axis] = wrong;
+            EXPECT_EQ(met(spoilt), (std::array<bool, 6>{})) << wrong << " in the direction's " << axis;
+            spoilt = {};
+            spoilt.ball.centre[axis] = wrong;
+            spoilt.cylinder.base[axis] = wrong;
+            spoilt.plane.normal[axis] = wrong;
+            spoilt.box.max[axis] = wrong;
+            EXPECT_EQ(met(spoilt), (std::array<bool, 6>{})) << wrong << " in the shapes' " << axis;
+            spoilt = {};
+            spoilt.ball.radius = wrong;
+            spoilt.cylinder.axis[axis] = wrong;
+            spoilt.plane.offset = wrong;
+            spoilt.box.min[axis] = wrong;
+            EXPECT_EQ(met(spoilt), (std::array<bool, 6>{})) << wrong << " in the shapes' size " << axis;
+        }
+    EXPECT_FALSE(raySphereDistance(DRay{{0, notANumber, -4}, {0, 0, 1}}, DBall{}));
+    EXPECT_FALSE(rayCylinder({}, {{0, 0, 0}, {1, 0, 0}, endless}));
+    EXPECT_FALSE(rayCappedCylinder({}, {{0, 0, 0}, {1, 0, 0}, notANumber}));
+}
+
+TEST(RayShapes, ZeroIsPositiveAndNoDistanceIsBelowIt) {
+    const auto isPlusZero = [](double t) { return t == 0 && !std::signbit(t); };
+    // From faces, backwards and forwards: quotients of zeros by numbers of either sign.
+    for (const float sign : {1.0f, -1.0f}) {
+        const Ray ray{{0, 0.25f, 0.25f}, {sign, 0.25f, 0.25f}};
+        const Bounds box{{0, 0, 0}, {1, 1, 1}};
+        const std::optional<RaySpan> span = rayBox(ray, box);
+        ASSERT_TRUE(span);
+        EXPECT_TRUE(isPlusZero(span->enter));
+        EXPECT_TRUE(sign > 0 || isPlusZero(span->exit));
+        EXPECT_TRUE(isPlusZero(rayBoxSurface(ray, box)->t));
+        EXPECT_TRUE(isPlusZero(*rayPlaneDistance(ray, {{sign, 0, 0}, 0})));
+        EXPECT_TRUE(isPlusZero(intersectTriangle(ray, {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}})->t));
+        EXPECT_TRUE(isPlusZero(intersectParallelogram(ray, {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}})->t));
+        const std::array<glm::vec3, 4> square = {{{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}}};
+        EXPECT_TRUE(isPlusZero(intersectPolygon(ray, square)->t));
+    }
+    // Numbers more than 2^100 apart, where the can is no longer exact: still not behind the origin.
+    const std::optional<double> t =
+        rayCappedCylinderDistance({{0x1.5af1d8p+66f, -2, -0x1p-149f}, {0x1p-75f, 0x1p-149f, 0.5f}},
+                                  {{-0x1.fffffep+127f, 2, -0x1p-149f}, {0, 0, 0x1p-149f}, 0x1p+64f});
+    EXPECT_TRUE(!t || *t >= 0);
 }
 
 TEST(RayShapes, AnyFiniteFloatsGiveFiniteAnswers) {

@@ -1,8 +1,14 @@
 #include "lab/sweep.h"
 
-#include <gtest/gtest.h>
+#include <filesystem>
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "base/file.h"
 #include "base/random.h"
+#include "lab/plot.h"
 
 namespace quincunx {
 namespace {
@@ -100,6 +106,26 @@ TEST(Csv, QuotesWhatNeedsIt) {
     markParetoFront(result.points);
     EXPECT_EQ(toCsv(result),
               "file,error,seconds,seconds_spread,pareto,rays\n\"a \"\"b\"\", c\",0.25,0.5,0,1,12\n");
+}
+
+TEST(Plot, NamesTheTimeAndTheErrorAndLabelsThePoints) {
+    SweepResult result;
+    result.lab = "99_lab";
+    result.title = "what it trades";
+    result.metric = "RMSE";
+    result.reference = "the truth";
+    result.renderer = "a renderer";
+    result.points = pointsOf({{1, 9}, {2, 4}});
+    markParetoFront(result.points);
+    const std::filesystem::path file =
+        std::filesystem::temp_directory_path() / fmt::format("quincunx_plot_{}.svg", getpid());
+    writePlotSvg(result, file);
+    const std::string svg = readFile(file, 1 << 20);
+    std::filesystem::remove(file);
+    // Of a sweep that draws no frames, too.
+    for (const char* words :
+         {"99_lab: what it trades", ">time (ms)<", "RMSE against the truth", "a renderer"})
+        EXPECT_NE(svg.find(words), std::string::npos) << words;
 }
 
 }  // namespace
