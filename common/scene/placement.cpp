@@ -27,6 +27,14 @@ glm::dmat4 restFrame(const Node& node) {
                          glm::dvec3(node.scale));
 }
 
+glm::mat3 textureTransformMatrix(const glm::dvec2& offset, double rotationRadians, const glm::dvec2& scale) {
+    const double c = std::cos(rotationRadians);
+    const double s = std::sin(rotationRadians);
+    // Sums with 0 are never -0, so that the identity is that bit for bit.
+    return glm::mat3(
+        glm::dmat3(c * scale.x, 0 - s * scale.x, 0, 0 + s * scale.y, c * scale.y, 0, offset.x, offset.y, 1));
+}
+
 bool isFiniteAsFloat(const glm::dmat4& frame) {
     const glm::mat4 rounded(frame);
     for (int column = 0; column < 4; ++column)

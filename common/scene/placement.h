@@ -16,6 +16,14 @@ glm::dmat4 composedFrame(const glm::dvec3& translation, const glm::dvec4& rotati
 /// `parent_from_node` at rest.
 glm::dmat4 restFrame(const Node& node);
 
+/// `texture_from_texcoord` of KHR_texture_transform: the scale first, then a turn that is counter-clockwise
+/// where t points down, then the offset. (The matrix in the extension's text turns the other way; its prose,
+/// its test model and the programs that read it agree on this one.)
+glm::mat3 textureTransformMatrix(const glm::dvec2& offset, double rotationRadians, const glm::dvec2& scale);
+
+/// The factor of a material's emission is taken up to here, W/(m² sr).
+inline constexpr double mostEmission = 1e6;
+
 /// True if all is finite as float.
 bool isFiniteAsFloat(const glm::dmat4& frame);
 
