@@ -1,6 +1,9 @@
 #include "geometry/normals.h"
 
 #include <cmath>
+#include <numeric>
+#include <type_traits>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -112,15 +115,10 @@ void makeFlatNormals(Mesh& mesh) {
     const std::size_t corners = mesh.indices.size();
     std::vector<glm::vec3> positions(corners);
     std::vector<glm::vec3> normals(corners);
-    std::vector<glm::vec2> texcoords(mesh.texcoords.empty() ? 0 : corners);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, corners / 3, grain), [&](const auto& range) {
         for (std::size_t t = range.begin(); t != range.end(); ++t) {
-            for (std::size_t i = 3 * t; i < 3 * t + 3; ++i) {
+            for (std::size_t i = 3 * t; i < 3 * t + 3; ++i)
                 positions[i] = mesh.positions[mesh.indices[i]];
-                if (!texcoords.empty())
-                    texcoords[i] = mesh.texcoords[mesh.indices[i]];
-                mesh.indices[i] = static_cast<std::uint32_t>(i);
-            }
             const glm::dvec3 normal =
                 triangleNormal(positions[3 * t], positions[3 * t + 1], positions[3 * t + 2]);
             const glm::vec3 unit = normal == glm::dvec3(0) ? glm::vec3(0, 0, 1) : glm::vec3(normal);
@@ -128,9 +126,21 @@ void makeFlatNormals(Mesh& mesh) {
                 normals[i] = unit;
         }
     });
+    const auto atCorners = [&](auto& values) {
+        if (values.empty())
+            return;
+        std::remove_reference_t<decltype(values)> own(corners);
+        for (std::size_t i = 0; i < corners; ++i)
+            own[i] = values[mesh.indices[i]];
+        values = std::move(own);
+    };
+    atCorners(mesh.texcoords);
+    atCorners(mesh.texcoords1);
+    atCorners(mesh.colors);
+    mesh.tangents.clear();
+    std::iota(mesh.indices.begin(), mesh.indices.end(), 0u);
     mesh.positions = std::move(positions);
     mesh.normals = std::move(normals);
-    mesh.texcoords = std::move(texcoords);
 }
 
 }  // namespace quincunx

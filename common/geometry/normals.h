@@ -33,7 +33,7 @@ std::vector<glm::vec3> smoothNormals(std::span<const glm::vec3> positions,
 void makeSmoothNormals(Mesh& mesh);
 
 /// Gives every triangle of `mesh` three vertices of its own, with the normal of the triangle's plane;
-/// (0,0,1) where it has no area.
+/// (0,0,1) where it has no area. Tangents, which belonged to other normals, go.
 void makeFlatNormals(Mesh& mesh);
 
 }  // namespace quincunx

@@ -250,6 +250,15 @@ void writeImage(const fs::path& file, const Image& image, const ImageMetadata& m
         writeExr(file, toLinear(image), noteFrom(metadata, file));
 }
 
+std::vector<unsigned char> encodedPng(const Image8& image, const std::string& name) {
+    checkWritable(image);
+    std::vector<unsigned char> bytes;
+    std::string error;
+    if (!table().encodePng(image, {}, bytes, error))
+        throw InputError(printable(error), name);
+    return bytes;
+}
+
 ImageMetadata readMetadata(const fs::path& file) {
     const std::string bytes = contents(file);
     return metadataFrom(

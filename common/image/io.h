@@ -44,6 +44,9 @@ Image readImageFromMemory(std::span<const std::byte> bytes, const std::string& n
 void writeImage(const std::filesystem::path& file, const Image8& image, const ImageMetadata& metadata = {});
 void writeImage(const std::filesystem::path& file, const Image& image, const ImageMetadata& metadata = {});
 
+/// The bytes of a PNG as `writeImage` would write it; `name` stands for the file in errors.
+std::vector<unsigned char> encodedPng(const Image8& image, const std::string& name);
+
 /// The kind of picture that a name asks for.
 enum class ImageKind { png, exr };
 /// By the extension, in any case: .png or .exr; nothing else can be written (InputError).

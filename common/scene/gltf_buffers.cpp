@@ -357,6 +357,41 @@ const std::vector<glm::vec3>& GltfBuffers::vec3s(const JsonView& reference) {
     return cached<3>(reference, vec3s_);
 }
 
+const std::vector<glm::vec4>& GltfBuffers::vec4s(const JsonView& reference) {
+    return cached<4>(reference, vec4s_);
+}
+
+const std::vector<glm::vec4>& GltfBuffers::colors(const JsonView& reference) {
+    const std::size_t index = reference.index();
+    const auto known = colors_.find(index);
+    if (known != colors_.end())
+        return known->second;
+    const JsonView json = root_.entry("accessors", index);
+    const Accessor a = accessor(json);
+    if (a.components != 3 && a.components != 4)
+        json.fail("does not have 3 or 4 components");
+    if (a.componentType == typeUnsignedInt)
+        json.fail("has components that are not for vertices");
+    const std::size_t component = a.elementSize / a.components;
+    return colors_[index] = read<glm::vec4>(json, a, [&](const char* bytes) {
+               glm::vec4 color(1);
+               for (std::size_t c = 0; c < a.components; ++c) {
+                   const float value = floatAt(bytes + c * component, a.componentType, true);
+                   color[static_cast<int>(c)] = std::isnan(value) ? 1 : std::clamp(value, 0.0f, 1.0f);
+               }
+               return color;
+           });
+}
+
+std::vector<float> GltfBuffers::scalars(const JsonView& reference) {
+    const JsonView json = root_.entry("accessors", reference.index());
+    const Accessor a = accessor(json);
+    if (a.components != 1)
+        json.fail("does not have 1 component");
+    return read<float>(json, a,
+                       [&](const char* bytes) { return floatAt(bytes, a.componentType, a.normalized); });
+}
+
 std::vector<std::uint32_t> GltfBuffers::indices(const JsonView& reference) {
     const JsonView json = root_.entry("accessors", reference.index());
     const Accessor a = accessor(json);
@@ -368,12 +403,13 @@ std::vector<std::uint32_t> GltfBuffers::indices(const JsonView& reference) {
                                [&](const char* bytes) { return unsignedAt(bytes, a.componentType); });
 }
 
-std::size_t GltfBuffers::count(const JsonView& reference) {
-    return accessor(root_.entry("accessors", reference.index())).count;
+std::size_t GltfBuffers::components(const JsonView& reference) {
+    return accessor(root_.entry("accessors", reference.index())).components;
 }
 
 void GltfBuffers::charge(std::size_t bytes, const JsonView& place) {
-    // An index of one byte can become a whole vertex of three triangles of a strip: 3 × 36 bytes.
+    // An index of one byte can become a whole vertex of three triangles of a strip: 3 × 36 bytes; or of one
+    // triangle, with all attributes: 76 bytes, and 28 while they are gathered.
     constexpr std::size_t mostPerByte = 128;
     constexpr std::size_t always = std::size_t{64} << 20;
     made_ += bytes;

@@ -45,8 +45,13 @@ class GltfBuffers {
     /// The reference is good until this object goes.
     const std::vector<glm::vec2>& vec2s(const JsonView& reference);
     const std::vector<glm::vec3>& vec3s(const JsonView& reference);
+    const std::vector<glm::vec4>& vec4s(const JsonView& reference);
+    /// RGB or RGBA, 0 … 1 (glTF 2.0, section 3.7.2.1); RGB is opaque, integers are normalized whether they
+    /// say so or not, and what is not a number is 1.
+    const std::vector<glm::vec4>& colors(const JsonView& reference);
+    std::vector<float> scalars(const JsonView& reference);
     std::vector<std::uint32_t> indices(const JsonView& reference);
-    std::size_t count(const JsonView& reference);
+    std::size_t components(const JsonView& reference);
 
     /// Bytes that may still be made of this file; `charge` is an InputError when they run out, so that
     /// accessors that share bytes do not multiply them without end.
@@ -86,6 +91,8 @@ class GltfBuffers {
     std::size_t made_ = 0;
     std::map<std::size_t, std::vector<glm::vec2>> vec2s_;
     std::map<std::size_t, std::vector<glm::vec3>> vec3s_;
+    std::map<std::size_t, std::vector<glm::vec4>> vec4s_;
+    std::map<std::size_t, std::vector<glm::vec4>> colors_;
 };
 
 }  // namespace quincunx

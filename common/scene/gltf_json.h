@@ -34,6 +34,7 @@ class JsonView {
     std::size_t size() const;
     JsonView operator[](std::size_t index) const;
 
+    bool isObject() const { return value_->is_object(); }
     std::string string() const;
     bool boolean() const;
     /// Finite as a float.

@@ -22,8 +22,21 @@ constexpr std::uintmax_t largestModelFile = std::uintmax_t{2} << 30;
 ImportedScene importObj(std::string contents, const std::filesystem::path& file);
 
 /// glTF 2.0, as JSON (.gltf) or binary (.glb), by its first four bytes. Supports the extensions
-/// KHR_lights_punctual, KHR_materials_emissive_strength and KHR_mesh_quantization. As the specification
-/// asks (section 3.7.2.1), normals that are missing are made flat.
+/// KHR_lights_punctual, KHR_materials_emissive_strength, KHR_mesh_quantization and KHR_texture_transform.
+///
+/// - As the specification asks (section 3.7.2.1), normals that are missing are made flat, and tangents with
+///   them; where a normal map is without tangents, `makeTangents` makes them for its texture coordinates.
+/// - Textures used for colour (base, emission) are sRGB, the others linear, whatever their file says; one used
+///   both ways becomes two. Of the sets of texture coordinates a mesh gets the first two, or those two that
+///   the material asks for.
+/// - Nodes are kept that an animation moves and from which something hangs, and those above them; all else is
+///   placed for good. Everything comes placed as the nodes are at rest: `pose` (scene/animation.h) moves it.
+///   Keys must be in the order of time (equal ones are let pass), finite and not before 0; a rotation must
+///   have a length. A node that is animated though placed by a matrix keeps of that translation, rotation and
+///   scale.
+/// - Meshes, textures, instances, lights and cameras come in the order of the file.
+/// - Morph targets, skins, points, lines, orthographic cameras, and textures by a third set of coordinates
+///   are left out with a warning.
 ImportedScene importGltf(std::string_view contents, const std::filesystem::path& file);
 
 }  // namespace quincunx

@@ -38,30 +38,30 @@ std::optional<std::filesystem::path> pathBeside(const std::filesystem::path& fol
     return folder / relative;
 }
 
-std::optional<std::size_t> TextureShelf::shelve(const std::string& key, Texture::Wrap wrapS,
-                                                Texture::Wrap wrapT, const std::function<Image8()>& read) {
-    Texture texture;
-    texture.name = key;
-    texture.wrapS = wrapS;
-    texture.wrapT = wrapT;
+std::optional<std::size_t> TextureShelf::shelve(const Place& place, const Texture& like,
+                                                const std::function<Image8()>& read) {
+    Texture texture = like;
     if (bytesLeft_ == 0) {
         warnings_.add("textures past 2 GiB are not read");
         return {};
     }
-    // The same picture with other wrap modes is decoded only once.
-    const auto same = places_.lower_bound({key, Texture::Wrap::repeat, Texture::Wrap::repeat});
-    if (same != places_.end() && same->first.key == key) {
+    // The same picture looked up in another way is decoded only once.
+    if (const auto same = firstOfPicture_.find(place.key); same != firstOfPicture_.end()) {
         if (!same->second)
             return {};
         texture.image = scene_.textures[*same->second].image;
     } else {
+        auto& first = firstOfPicture_[place.key];
         try {
             texture.image = read();
         } catch (const InputError& error) {
             warnings_.add(fmt::format("drawn without a texture: {}", error.what()));
             return {};
         }
+        first = scene_.textures.size();
     }
+    if (place.encoding)
+        texture.image.encoding = *place.encoding;
     bytesLeft_ -= std::min(bytesLeft_, texture.image.data.size());
     scene_.textures.push_back(std::move(texture));
     return scene_.textures.size() - 1;

@@ -42,16 +42,28 @@ class TextureShelf {
   public:
     TextureShelf(Scene& scene, Warnings& warnings) : scene_(scene), warnings_(warnings) {}
 
-    /// The texture made of the picture `key` with these wrap modes. `read` decodes the picture, and throws
+    /// The texture made of the picture `key`, with the name and the ways of looking it up of `like`; its
+    /// numbers stand for what `encoding` says, if it says something. `read` decodes the picture, and throws
     /// InputError if it cannot.
     template <typename Read>
-    std::optional<std::size_t> texture(const std::string& key, Texture::Wrap wrapS, Texture::Wrap wrapT,
-                                       const Read& read) {
-        const Place place{key, wrapS, wrapT};
+    std::optional<std::size_t> texture(const std::string& key, const Texture& like,
+                                       std::optional<Encoding> encoding, const Read& read) {
+        const Place place{key,          like.wrapS, like.wrapT, like.magnification, like.minification,
+                          like.mipmaps, encoding};
         const auto known = places_.find(place);
         if (known != places_.end())
             return known->second;
-        return places_[place] = shelve(key, wrapS, wrapT, [&] { return Image8(read()); });
+        return places_[place] = shelve(place, like, [&] { return Image8(read()); });
+    }
+    /// The same, filtered as by default.
+    template <typename Read>
+    std::optional<std::size_t> texture(const std::string& key, Texture::Wrap wrapS, Texture::Wrap wrapT,
+                                       const Read& read) {
+        Texture like;
+        like.name = key;
+        like.wrapS = wrapS;
+        like.wrapT = wrapT;
+        return texture(key, like, std::nullopt, read);
     }
 
   private:
@@ -59,14 +71,19 @@ class TextureShelf {
         std::string key;
         Texture::Wrap wrapS;
         Texture::Wrap wrapT;
+        Texture::Filter magnification;
+        Texture::Filter minification;
+        Texture::Mipmaps mipmaps;
+        std::optional<Encoding> encoding;
         auto operator<=>(const Place&) const = default;
     };
-    std::optional<std::size_t> shelve(const std::string& key, Texture::Wrap wrapS, Texture::Wrap wrapT,
+    std::optional<std::size_t> shelve(const Place& place, const Texture& like,
                                       const std::function<Image8()>& read);
 
     Scene& scene_;
     Warnings& warnings_;
     std::map<Place, std::optional<std::size_t>> places_;
+    std::map<std::string, std::optional<std::size_t>> firstOfPicture_;  ///< key → texture
     std::size_t bytesLeft_ = std::size_t{2} << 30;
 };
 
