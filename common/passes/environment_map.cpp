@@ -18,7 +18,8 @@ namespace quincunx {
 namespace {
 
 constexpr int faceCount = gl::TextureCube::faceCount;
-constexpr int irradianceSize = 16;  // texels along an edge of a face
+constexpr int irradianceSize = 16;       // texels along an edge of a face
+constexpr int irradianceSourceSize = 8;  // … and of the level that is summed up
 constexpr int brdfSize = 32;
 constexpr int brdfSamples = 128;
 constexpr float mostLight = 65504;  // the largest half float
@@ -204,7 +205,7 @@ void EnvironmentMap::finish(graph::PassContext& context) {
                                                              .fragment = "passes/environment_irradiance.frag",
                                                              .samplers = {{"source", radianceUnit}}});
         source_.bind(radianceUnit);
-        const int level = levelOfSize(source_, irradianceSize);
+        const int level = levelOfSize(source_, irradianceSourceSize);
         program.set("sourceLevel", static_cast<float>(level));
         program.set("sourceSize", source_.sizeOf(level));
         for (int face = 0; face < faceCount; ++face) {
@@ -247,11 +248,11 @@ void EnvironmentMap::fromBackground(graph::PassContext& context, const Scene& sc
     fromGradient(context, scene.backgroundTop, scene.backgroundBottom, params);
 }
 
-void EnvironmentMap::fromPanorama(graph::PassContext& context, const Image& panorama,
+void EnvironmentMap::fromPanorama(graph::PassContext& context, const Image& panorama, glm::vec3 position,
                                   const EnvironmentParams& params) {
     const Image usable = usablePanorama(panorama);
     prepare(params);
-    position_ = glm::vec3(0);
+    position_ = position;
     gl::Texture2D texture("panorama", GL_RGBA32F, usable.width, usable.height);
     texture.setFilter(GL_LINEAR, GL_LINEAR);
     texture.setWrap(GL_REPEAT, GL_CLAMP_TO_EDGE);

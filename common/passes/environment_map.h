@@ -63,8 +63,9 @@ class EnvironmentMap {
 
     /// From a panorama: an equirectangular picture whose middle looks along +x, and whose top is +y. sRGB is
     /// decoded; negative values and what is not a number count as 0, more than 65504 as that. InputError for
-    /// no pixels.
-    void fromPanorama(graph::PassContext& context, const Image& panorama, const EnvironmentParams& params);
+    /// no pixels. `position`: where it was taken, for box projection.
+    void fromPanorama(graph::PassContext& context, const Image& panorama, glm::vec3 position,
+                      const EnvironmentParams& params);
     /// From two colours: zenith at +y, nadir at −y, evenly between by the direction's height.
     void fromGradient(graph::PassContext& context, glm::vec3 zenith, glm::vec3 nadir,
                       const EnvironmentParams& params);
