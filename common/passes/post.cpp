@@ -50,13 +50,13 @@ class Bilinear {
 };
 
 int radiusOf(float sigma, float reach) {
-    return std::clamp(static_cast<int>(std::ceil(reach * sigma)), 1, maxRadius);
+    return sigma == 0 ? 0 : std::clamp(static_cast<int>(std::ceil(reach * sigma)), 1, maxRadius);
 }
 
 /// Weights of distances 0 … radius that sum to 1 over both sides.
 std::vector<float> weightsOf(double sigma, int radius) {
-    std::vector<double> weights;
-    for (int i = 0; i <= radius; ++i)
+    std::vector<double> weights = {1};
+    for (int i = 1; i <= radius; ++i)
         weights.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
     const double sum = 2 * std::accumulate(weights.begin(), weights.end(), 0.0) - weights.front();
     std::vector<float> result;
@@ -161,7 +161,11 @@ graph::Resource addEnlargePass(graph::FrameGraph& graph, graph::Resource small, 
     return large;
 }
 
-int factorOf(BlurMethod method) {
+/// How many texels wide a texel of the picture that is blurred is.
+int factorOf(const BlurParams& params) {
+    const BlurMethod method = params.method;
+    if (params.sigmaPixels == 0)
+        return 1;
     return method == BlurMethod::half ? 2 : method == BlurMethod::quarter ? 4 : 1;
 }
 
@@ -193,10 +197,10 @@ graph::Resource addFilmPass(graph::FrameGraph& graph, graph::Resource picture, c
 
 graph::Resource addBlurPasses(graph::FrameGraph& graph, graph::Resource picture, const BlurParams& params,
                               const std::string& name) {
-    QX_CHECK_GT(params.sigmaPixels, 0.0f);
+    QX_CHECK_GE(params.sigmaPixels, 0.0f);
     const double sigma = params.sigmaPixels;
     const int radius = radiusOf(params.sigmaPixels, params.reach);
-    const int factor = factorOf(params.method);
+    const int factor = factorOf(params);
     if (factor > 1) {
         const double reducedSigma = sigmaOfReduced(sigma, factor);
         const graph::Resource reduced = addReducePass(graph, picture, name + ", reduced", factor, 0);
@@ -218,7 +222,7 @@ std::vector<float> blurWeights(double sigmaPixels, double reach) {
 
 std::size_t fetchesAPixel(const BlurParams& params) {
     const auto radius = static_cast<std::size_t>(radiusOf(params.sigmaPixels, params.reach));
-    const int factor = factorOf(params.method);
+    const int factor = factorOf(params);
     if (params.method == BlurMethod::direct)
         return (2 * radius + 1) * (2 * radius + 1);
     if (params.method == BlurMethod::pairs)
@@ -253,19 +257,22 @@ void addToneMapPass(graph::FrameGraph& graph, graph::Resource picture, graph::Re
                        program.set("picture", pictureUnit);
                        program.set("exposure", std::exp2(params.exposureStops));
                        program.set("curve", static_cast<int>(params.curve));
+                       program.set("cutOff", params.cutOff ? 1 : 0);
                        context.texture(picture).bind(pictureUnit);
                        context.drawFullscreen();
                    }});
 }
 
-void addFxaaPass(graph::FrameGraph& graph, graph::Resource picture, graph::Resource target) {
+void addFxaaPass(graph::FrameGraph& graph, graph::Resource picture, graph::Resource target,
+                 const FxaaParams& params) {
     graph.addPass({.name = "fxaa",
                    .reads = {picture},
                    .writes = {target},
-                   .execute = [picture](graph::PassContext& context) {
+                   .execute = [picture, params](graph::PassContext& context) {
                        const gl::Program& program = context.programs().get(over("fxaa"));
                        program.use();
                        program.set("picture", pictureUnit);
+                       program.set("strength", params.strength);
                        context.texture(picture).bind(pictureUnit);
                        const Bilinear between(context);
                        context.drawFullscreen();

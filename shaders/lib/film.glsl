@@ -36,9 +36,9 @@ float grain(vec2 pixel, int octaves) {
     return total > 0.0 ? sum / total : 0.0;
 }
 
-// The colour of a pixel as grey, `greyscale` of the way, with grain.
+// The colour of a pixel as grey, `greyscale` of the way, with grain; for none of either the same bits.
 vec3 asFilm(vec3 linearColor, vec2 pixel, float greyscale, int octaves) {
     float grey = luminance(linearColor);
-    vec3 faded = mix(linearColor, vec3(grey), greyscale);
+    vec3 faded = greyscale == 0.0 ? linearColor : mix(linearColor, vec3(grey), greyscale);
     return octaves > 0 ? max(faded * (1.0 + 0.9 * grain(pixel, octaves)), 0.0) : faded;
 }

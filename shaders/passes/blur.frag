@@ -14,6 +14,10 @@ out vec4 color;
 void main() {
     ivec2 size = textureSize(picture, 0);
     ivec2 here = ivec2(gl_FragCoord.xy);
+    if (radius == 0) {
+        color = texelFetch(picture, here, 0);
+        return;
+    }
 #if defined(BLUR_DIRECT)
     vec4 sum = vec4(0.0);
     for (int y = -radius; y <= radius; ++y) {

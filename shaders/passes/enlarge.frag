@@ -17,7 +17,7 @@ void main() {
     vec4 seen = strength * texture(small, place);
 #ifdef ADD_TO_BASE
     vec4 below = texelFetch(base, ivec2(gl_FragCoord.xy), 0);
-    color = vec4(below.rgb + seen.rgb, below.a);
+    color = strength == 0.0 ? below : vec4(below.rgb + seen.rgb, below.a);
 #else
     color = seen;
 #endif

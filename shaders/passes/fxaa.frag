@@ -6,6 +6,7 @@
 #include "lib/film.glsl"
 
 uniform sampler2D picture;  // bilinear, in [0, 1]
+uniform float strength;     // 0 … 1: how far of the way
 
 in vec2 texcoord;
 out vec4 color;
@@ -20,14 +21,16 @@ float perceived(vec2 place) {
 
 void main() {
     vec2 texel = 1.0 / vec2(textureSize(picture, 0));
-    vec4 centre = textureLod(picture, texcoord, 0.0);
+    vec4 centre = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
+    color = centre;
+    if (strength == 0.0)
+        return;
     float m = sqrt(luminance(centre.rgb));
     float n = perceived(texcoord + texel * vec2(0, 1));
     float s = perceived(texcoord - texel * vec2(0, 1));
     float e = perceived(texcoord + texel * vec2(1, 0));
     float w = perceived(texcoord - texel * vec2(1, 0));
     float contrast = max(max(n, s), max(max(e, w), m)) - min(min(n, s), min(min(e, w), m));
-    color = centre;
     if (contrast < contrastAtLeast)
         return;
 
@@ -64,5 +67,7 @@ void main() {
     // The edge crosses this pixel only if beyond its nearer end the other side's colour goes on.
     bool crosses = leavesUp[nearer] == (step_ > 0.0);
     float share = crosses ? max(0.5 - lengths[nearer] / (lengths[0] + lengths[1]), 0.0) : 0.0;
-    color = vec4(textureLod(picture, texcoord + share * across, 0.0).rgb, centre.a);
+    share *= strength;
+    if (share > 0.0)
+        color = vec4(textureLod(picture, texcoord + share * across, 0.0).rgb, centre.a);
 }
