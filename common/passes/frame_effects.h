@@ -28,7 +28,7 @@ struct FrameBuilder {
     graph::FrameGraph& graph;
     const FrameView& view;
     const Visibility& visibility;
-    FrameScene& scene;
+    FrameDevice& device;
 
     /// The picture so far, once the scene is shaded: linear light, unbounded until the tone map.
     graph::Resource picture = {};

@@ -11,9 +11,6 @@ namespace quincunx {
 FrameScene::FrameScene(const Scene& scene) : buffers_(scene, SceneBuffers::Layout::shared) {
     objects_.resize(scene.instances.size());
     kinds_.resize(scene.instances.size());
-    triangles_.reserve(scene.instances.size());
-    for (const Instance& instance : scene.instances)
-        triangles_.push_back(scene.meshes[instance.mesh].triangleCount());
 }
 
 void FrameScene::update(const FrameView& view, const Visibility& visibility) {
@@ -144,6 +141,16 @@ void FrameScene::drawDepth(graph::PassContext& context, std::span<const std::uin
     setCulling(false);
     setFrontFace(false);
     glDisable(GL_DEPTH_TEST);
+}
+
+FrameScene& FrameDevice::scene(const FrameView& view, const Visibility& visibility) {
+    if (!scene_)
+        scene_.emplace(view.scene);
+    if (updatedFor_ != &visibility) {
+        scene_->update(view, visibility);
+        updatedFor_ = &visibility;
+    }
+    return *scene_;
 }
 
 }  // namespace quincunx

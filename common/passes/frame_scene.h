@@ -34,8 +34,6 @@ class FrameScene {
     void drawDepth(graph::PassContext& context, std::span<const std::uint32_t> instances,
                    const glm::mat4& clipFromAnchored);
 
-    std::size_t triangles(std::uint32_t instance) const { return triangles_[instance]; }
-
   private:
     struct Kind {
         bool doubleSided = false;
@@ -48,9 +46,22 @@ class FrameScene {
     SceneBuffers buffers_;
     std::vector<ObjectBlock> objects_;  ///< by instance; of those that were never drawn as made
     std::vector<Kind> kinds_;           ///< by instance
-    std::vector<std::size_t> triangles_;
     bool clockwise_ = false;
     bool culls_ = false;
+};
+
+/// What a frame's passes share of it on the device.
+class FrameDevice {
+  public:
+    /// The scene as the frame has it: made at the first call ever, brought up to date at the first of each
+    /// frame, in the context that is current then.
+    FrameScene& scene(const FrameView& view, const Visibility& visibility);
+
+  private:
+    std::optional<FrameScene> scene_;
+    const Visibility* updatedFor_ = nullptr;
+
+    friend class FrameRenderer;
 };
 
 }  // namespace quincunx
