@@ -16,6 +16,7 @@ if(QUINCUNX_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
                       -Wno-maybe-uninitialized)
   add_link_options(-fsanitize=address,undefined)
+  target_sources(quincunx_flags INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/cmake/keep_libraries.cpp>)
 endif()
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
