@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "gl/executor.h"
+#include "passes/fresh_name.h"
 
 namespace quincunx {
 namespace {
@@ -23,15 +24,6 @@ graph::Resource addLike(graph::FrameGraph& graph, graph::Resource picture, const
     graph::ResourceDescription description = graph.resource(picture);
     description.name = name;
     return graph.addResource(description);
-}
-
-/// One more than the last resource of that stem, so that an effect can be added twice.
-std::string freshName(const graph::FrameGraph& graph, const std::string& stem) {
-    int count = 1;
-    for (std::size_t i = 0; i < graph.resourceCount(); ++i)
-        if (graph.resource({i}).name.starts_with(stem))
-            ++count;
-    return count == 1 ? stem : fmt::format("{} {}", stem, count);
 }
 
 gl::ProgramFiles over(const std::string& fragment) {

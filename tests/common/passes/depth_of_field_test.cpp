@@ -1,0 +1,232 @@
+#include "passes/depth_of_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "gl/calls.h"
+#include "image/compare.h"
+#include "math/projection.h"
+#include "math/transform.h"
+#include "scene/still_life.h"
+#include "tests/common/passes/film_set.h"
+#include "trace/lens_glsl.h"
+
+namespace quincunx {
+namespace {
+
+using test::FilmSet;
+
+constexpr float infinite = std::numeric_limits<float>::infinity();
+
+/// The still life with the ring in the middle in focus; its near things are some 6 units away, its far
+/// ones 9.
+Scene stillLife() {
+    return tessellate(makeStillLife(), 24);
+}
+
+/// What is seen through one point of the lens, `sample` within the unit disc: all that lies in the plane of
+/// focus stays where it is.
+ForwardView viewThrough(const Camera& camera, float aspect, glm::dvec2 sample) {
+    const glm::dvec2 p = static_cast<double>(camera.apertureRadius) * sample;
+    glm::dmat4 shear(1);
+    shear[2] = glm::dvec4(-p / static_cast<double>(camera.focusDistance), 1, 0);
+    shear[3] = glm::dvec4(-p, 0, 1);
+    const glm::dmat4 clipFromCamera(
+        perspective(camera.fovYRadians, aspect, camera.nearDistance, camera.farDistance));
+    const glm::dmat4 fromWorld(cameraFromWorld(camera.worldFromCamera));
+    return {glm::mat4(clipFromCamera * shear * fromWorld),
+            glm::vec3(glm::dmat4(camera.worldFromCamera) * glm::dvec4(p, 0, 1))};
+}
+
+/// The picture that many points of the lens add up to.
+Image throughLens(FilmSet& set, const Camera& camera, int samples) {
+    return set.exposure(samples, [&](int i) {
+        const double radius = std::sqrt((i + 0.5) / samples);
+        const double angle = 2.39996322972865 * i;
+        return viewThrough(camera, set.aspect(), radius * glm::dvec2(std::cos(angle), std::sin(angle)));
+    });
+}
+
+Image withDepthOfField(FilmSet& set, const DepthOfFieldParams& params,
+                       graph::Format format = graph::Format::rgba32f) {
+    return set.picture(
+        forwardView(params.camera, set.aspect()),
+        [&](graph::FrameGraph& graph, graph::Resource color, graph::Resource depth) {
+            return addDepthOfFieldPasses(graph, color, depth, params);
+        },
+        format);
+}
+
+Camera stillLifeCamera(float apertureRadius, float focusDistance) {
+    Camera camera = makeStillLife().camera;
+    camera.apertureRadius = apertureRadius;
+    camera.focusDistance = focusDistance;
+    return camera;
+}
+
+bool haveSameBits(const Image& a, const Image& b) {
+    return a.data.size() == b.data.size() &&
+           std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
+}
+
+bool isFinite(const Image& image) {
+    return std::all_of(image.data.begin(), image.data.end(),
+                       [](float value) { return std::isfinite(value); });
+}
+
+TEST(CirclesOfConfusion, AreThoseOfTheLensEquation) {
+    std::mt19937_64 random(3);
+    const auto uniform = [&](double low, double high) {
+        return static_cast<float>(
+            std::exp(std::uniform_real_distribution(std::log(low), std::log(high))(random)));
+    };
+    for (int i = 0; i < 20000; ++i) {
+        Camera camera;
+        camera.fovYRadians = uniform(0.01, 3);
+        camera.nearDistance = uniform(1e-3, 10);
+        camera.farDistance = i % 3 == 0 ? infinite : camera.nearDistance * uniform(1.5, 1e7);
+        camera.apertureRadius = uniform(1e-4, 1);
+        camera.focusDistance = i % 5 == 0 ? infinite : uniform(1e-4, 1e6);
+        const auto depth = std::uniform_real_distribution<float>(0, 1)(random);
+        const CirclesOfConfusion circles = circlesOfConfusion(camera, 480);
+        using Wide = long double;
+        const Wide scale =
+            camera.apertureRadius * 480 / (2 * std::tan(static_cast<Wide>(camera.fovYRadians) / 2));
+        // Where depth d is: n / ((1 − d) + d n/f).
+        const Wide inverseDistance = (1 - static_cast<Wide>(depth)) / camera.nearDistance +
+                                     depth / static_cast<Wide>(camera.farDistance);
+        const Wide exact = scale * (1 / static_cast<Wide>(camera.focusDistance) - inverseDistance);
+        const Wide terms = std::abs((1 - static_cast<Wide>(depth)) * circles.atNear) +
+                           std::abs(static_cast<Wide>(depth) * circles.atFar);
+        const float coc = glsl::circleOfConfusion(depth, circles.atNear, circles.atFar, 1e30f);
+        // Four roundings of half an ulp (the two ends, the products or 1 − d, the sum), each at most 2^-24 of
+        // the terms.
+        EXPECT_LE(std::abs(coc - exact), 0x1p-22L * terms) << i;
+    }
+}
+
+TEST(CirclesOfConfusion, HaveTheirLimits) {
+    Camera camera;
+    EXPECT_EQ(circlesOfConfusion(camera, 480), (CirclesOfConfusion{0, 0}));
+    for (const float focus : {0.0f, 1e-45f, infinite}) {
+        camera.focusDistance = focus;
+        camera.apertureRadius = 0;
+        EXPECT_EQ(circlesOfConfusion(camera, 480), (CirclesOfConfusion{0, 0}));
+        camera.apertureRadius = 0.1f;
+        camera.farDistance = infinite;
+        const CirclesOfConfusion circles = circlesOfConfusion(camera, 480);
+        if (focus > 0 && std::isinf(focus)) {
+            EXPECT_LT(circles.atNear, 0);
+            EXPECT_EQ(circles.atFar, 0);
+        } else {
+            EXPECT_GE(circles.atNear, 0x1p99f);
+            EXPECT_GE(circles.atFar, 0x1p99f);
+            // All is as blurred as it may be, and never NaN.
+            for (const float depth : {0.0f, 0.5f, 1.0f})
+                EXPECT_EQ(glsl::circleOfConfusion(depth, circles.atNear, circles.atFar, 16), 16);
+        }
+    }
+    camera.focusDistance = camera.nearDistance;
+    EXPECT_EQ(circlesOfConfusion(camera, 480).atNear, 0);
+}
+
+TEST(Lens, ADiscAddsUpToItsArea) {
+    for (const float radius : {0.5f, 1.0f, 3.7f, 16.0f, 128.0f}) {
+        double sum = 0;
+        constexpr int steps = 20000;
+        const double width = (static_cast<double>(radius) + 1) / steps;
+        for (int i = 0; i < steps; ++i) {
+            const double away = (i + 0.5) * width;
+            sum += static_cast<double>(glsl::discCover(radius, static_cast<float>(away))) * 2 *
+                   std::numbers::pi * away * width;
+        }
+        EXPECT_NEAR(static_cast<double>(glsl::discArea(radius)), sum, 1e-4 * sum) << radius;
+    }
+}
+
+TEST(Lens, TheTapsOfACellAreOneSpiralOfGoldenAngles) {
+    constexpr int taps = 48;
+    const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+    for (int k = 0; k < 9; ++k) {
+        glm::vec2 direction = glsl::spiralStart(k);
+        for (int i = 0; i < taps; ++i) {
+            const double angle = golden * (9 * i + k);
+            // 48 products of two roundings each, and eight digits of two constants.
+            EXPECT_NEAR(static_cast<double>(direction.x), std::cos(angle), 2e-5);
+            EXPECT_NEAR(static_cast<double>(direction.y), std::sin(angle), 2e-5);
+            EXPECT_NEAR(static_cast<double>(glsl::spiralShare(i, k, taps)), (9 * i + k + 0.5) / (9 * taps),
+                        1e-6);
+            direction = glsl::spiralNext(direction);
+        }
+    }
+}
+
+class DepthOfField : public testing::TestWithParam<gl::Backend> {
+  protected:
+    static constexpr int width = 160;
+    static constexpr int height = 120;
+    FilmSet set_{GetParam(), stillLife(), width, height};
+};
+INSTANTIATE_TEST_SUITE_P(On, DepthOfField, testing::Values(gl::Backend::osmesa, gl::Backend::egl),
+                         test::nameOfBackend);
+
+TEST_P(DepthOfField, APinholeCopiesEveryBit) {
+    for (const graph::Format format :
+         {graph::Format::rgba16f, graph::Format::rgba32f, graph::Format::rgba8Srgb})
+        for (const float focus : {0.0f, 1.0f, 9.0f, infinite}) {
+            const Camera camera = stillLifeCamera(0, focus);
+            EXPECT_TRUE(haveSameBits(set_.picture(forwardView(camera, set_.aspect()), {}, format),
+                                     withDepthOfField(set_, {camera}, format)))
+                << static_cast<int>(format) << " " << focus;
+        }
+}
+
+TEST_P(DepthOfField, AFocusAnywhereAndAFarPlaneAtInfinityGiveNumbers) {
+    for (const float focus : {0.0f, 1e-40f, 0.5f, 1.0f, 1e30f, infinite})
+        for (const float far : {40.0f, infinite})
+            for (const float most : {0.0f, 0.4f, 5.0f, 128.0f}) {
+                Camera camera = stillLifeCamera(0.5f, focus);
+                camera.farDistance = far;
+                const Image sharp = set_.picture(forwardView(camera, set_.aspect()));
+                const Image blurred = withDepthOfField(set_, {camera, most, 8});
+                EXPECT_TRUE(isFinite(blurred)) << focus << " " << far << " " << most;
+                EXPECT_EQ(haveSameBits(sharp, blurred), most < 0.5f) << focus << " " << far << " " << most;
+            }
+}
+
+TEST_P(DepthOfField, CostsTheFetchesAndCallsItSays) {
+    EXPECT_EQ(fetchesAPixel(DepthOfFieldParams{.camera = {}, .taps = 48}), 224u);
+    const Camera camera = stillLifeCamera(0.2f, 9);
+    const ForwardView view = forwardView(camera, set_.aspect());
+    const auto callsOf = [&](const FilmSet::Effect& effect) {
+        set_.picture(view, effect);
+        const gl::CallRecorder recorder;
+        set_.picture(view, effect);
+        return recorder.calls();
+    };
+    auto with = callsOf([&](graph::FrameGraph& graph, graph::Resource color, graph::Resource depth) {
+        return addDepthOfFieldPasses(graph, color, depth, {camera});
+    });
+    auto without = callsOf({});
+    std::uint64_t all = 0;
+    for (const auto& [name, count] : with)
+        all += count - without[name];
+    // Three draws, each with its target, viewport, program and vertex array, and seven textures on units that
+    // are chosen first.
+    EXPECT_EQ(with["glDrawArrays"] - without["glDrawArrays"], 3u);
+    EXPECT_LE(all, 40u);
+    RecordProperty("gl_calls", static_cast<int>(all));
+}
+
+double errorOf(FilmSet& set, const Camera& camera, int samples) {
+    return rmse(throughLens(set, camera, samples), withDepthOfField(set, {camera}));
+}
+
+}  // namespace
+}  // namespace quincunx
