@@ -1,6 +1,7 @@
 #include "gl/bindings.h"
 
 #include <array>
+#include <optional>
 
 #include "base/check.h"
 
@@ -26,9 +27,14 @@ struct Bindings {
     GLuint vertexArray = unknown;
     GLuint activeUnit = unknown;
     std::array<GLuint, unitCount> textures;
+    std::array<GLuint, unitCount> cubes;
+    std::optional<bool> seamlessCubes;
     std::array<UniformBuffer, uniformBindingCount> uniformBuffers;
 
-    Bindings() { textures.fill(unknown); }
+    Bindings() {
+        textures.fill(unknown);
+        cubes.fill(unknown);
+    }
 };
 
 Bindings bound;
@@ -75,6 +81,26 @@ void bindTextureForEditing(GLuint texture) {
     bindTexture(unit, texture);
 }
 
+void bindCube(GLuint unit, GLuint texture) {
+    QX_CHECK_LT(unit, unitCount);
+    change(bound.cubes[unit], texture, [&] {
+        activate(unit);
+        glBindTexture(GL_TEXTURE_CUBE_MAP, texture);
+    });
+}
+
+void bindCubeForEditing(GLuint texture) {
+    constexpr GLuint unit = unitCount - 1;
+    activate(unit);
+    bindCube(unit, texture);
+}
+
+void filterCubesSeamlessly(bool seamless) {
+    change(bound.seamlessCubes, std::optional(seamless), [&] {
+        seamless ? glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS) : glDisable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+    });
+}
+
 void bindUniformBuffer(GLuint binding, GLuint buffer, GLintptr offsetBytes, GLsizeiptr sizeBytes) {
     QX_CHECK_LT(binding, uniformBindingCount);
     change(bound.uniformBuffers[binding], {buffer, offsetBytes, sizeBytes},
@@ -91,6 +117,8 @@ void forgetVertexArray(GLuint vertexArray) {
 
 void forgetTexture(GLuint texture) {
     for (GLuint& name : bound.textures)
+        forget(name, texture);
+    for (GLuint& name : bound.cubes)
         forget(name, texture);
 }
 

@@ -13,6 +13,11 @@ void bindTexture(GLuint unit, GLuint texture);
 /// As GL_TEXTURE_2D of the active unit, for calls that change or read a texture. That unit, the last that
 /// OpenGL 3.3 guarantees, is not one that shaders sample, so what is bound for drawing stays bound.
 void bindTextureForEditing(GLuint texture);
+/// The same for GL_TEXTURE_CUBE_MAP, of which a unit holds one beside the other.
+void bindCube(GLuint unit, GLuint texture);
+void bindCubeForEditing(GLuint texture);
+/// Whether cube maps are filtered across the edges of their faces.
+void filterCubesSeamlessly(bool seamless);
 /// The part of a buffer that the uniform blocks of a binding read.
 void bindUniformBuffer(GLuint binding, GLuint buffer, GLintptr offsetBytes, GLsizeiptr sizeBytes);
 

@@ -134,6 +134,17 @@ void checkSize(std::string_view label, int width, int height) {
             fmt::format("texture \"{}\"", label), "choose another size");
 }
 
+GLenum faceTarget(int face) {
+    return static_cast<GLenum>(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face);
+}
+
+void checkPlace(const TextureCube& cube, int face, int level) {
+    QX_CHECK_GE(face, 0);
+    QX_CHECK_LT(face, TextureCube::faceCount);
+    QX_CHECK_GE(level, 0);
+    QX_CHECK_LT(level, cube.levels());
+}
+
 template <typename Generate>
 GLuint newName(Generate&& generate) {
     GLuint name = 0;
@@ -320,6 +331,82 @@ void Texture2D::setWrap(GLenum s, GLenum t) {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, static_cast<GLint>(t));
 }
 
+int TextureCube::fullLevels(int size) {
+    int levels = 1;
+    while (size >> levels > 0)
+        ++levels;
+    return levels;
+}
+
+TextureCube::TextureCube(std::string_view label, GLenum internalFormat, int size, int levels)
+    : size_(size), levels_(levels), internalFormat_(internalFormat) {
+    GLint limit = 0;
+    glGetIntegerv(GL_MAX_CUBE_MAP_TEXTURE_SIZE, &limit);
+    if (size < 1 || size > limit)
+        throw InputError(
+            fmt::format("a cube map of {} texels; this driver takes 1 to {} a side", size, limit),
+            fmt::format("texture \"{}\"", label), "choose another size");
+    QX_CHECK_GE(levels, 1);
+    QX_CHECK_LE(levels, fullLevels(size));
+    QX_CHECK(!isDepth(internalFormat));
+    handle_ = Handle<DeleteTexture>(newName(glGenTextures));
+    detail::bindCubeForEditing(get());
+    const auto [format, type] = transferOf(internalFormat);
+    for (int level = 0; level < levels; ++level)
+        for (int face = 0; face < faceCount; ++face)
+            glTexImage2D(faceTarget(face), level, static_cast<GLint>(internalFormat), sizeOf(level),
+                         sizeOf(level), 0, format, type, nullptr);
+    glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MAX_LEVEL, levels - 1);
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+        glTexParameteri(GL_TEXTURE_CUBE_MAP, axis, GL_CLAMP_TO_EDGE);
+    setFilter(levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR, GL_LINEAR);
+    setLabel(GL_TEXTURE, get(), label);
+}
+
+void TextureCube::bind(GLuint unit, bool seamless) const {
+    QX_CHECK(handle_);
+    detail::bindCube(unit, get());
+    detail::filterCubesSeamlessly(seamless);
+}
+
+void TextureCube::setFilter(GLenum minification, GLenum magnification) {
+    detail::bindCubeForEditing(get());
+    glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(minification));
+    glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(magnification));
+}
+
+void TextureCube::generateMipmaps() {
+    detail::bindCubeForEditing(get());
+    glGenerateMipmap(GL_TEXTURE_CUBE_MAP);
+}
+
+void TextureCube::upload(int face, int level, const Image& image) {
+    checkPlace(*this, face, level);
+    QX_CHECK_EQ(image.channels, 4);
+    QX_CHECK_EQ(image.width, sizeOf(level));
+    QX_CHECK_EQ(image.height, sizeOf(level));
+    detail::bindCubeForEditing(get());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTexSubImage2D(faceTarget(face), level, 0, 0, image.width, image.height, GL_RGBA, GL_FLOAT,
+                    image.data.data());
+}
+
+void TextureCube::copyFrom(const Framebuffer& framebuffer, int face, int level) {
+    checkPlace(*this, face, level);
+    QX_CHECK_EQ(framebuffer.width(), sizeOf(level));
+    QX_CHECK_EQ(framebuffer.height(), sizeOf(level));
+    framebuffer.bind();
+    detail::bindCubeForEditing(get());
+    glCopyTexSubImage2D(faceTarget(face), level, 0, 0, 0, 0, sizeOf(level), sizeOf(level));
+}
+
+std::size_t TextureCube::texelCount() const {
+    std::size_t count = 0;
+    for (int level = 0; level < levels_; ++level)
+        count += static_cast<std::size_t>(sizeOf(level)) * static_cast<std::size_t>(sizeOf(level));
+    return faceCount * count;
+}
+
 Sampler::Sampler(std::string_view label, const Params& params) {
     GLuint name = 0;
     glGenSamplers(1, &name);
@@ -358,30 +445,50 @@ Query::Query(std::string_view label, GLenum target) : target_(target) {
 Framebuffer::Framebuffer(std::string_view label, std::span<const Texture2D* const> colors,
                          const Texture2D* depth)
     : handle_(newName(glGenFramebuffers)) {
-    std::string attachments;
-    bool sizesAgree = true;
-    const auto list = [&](const std::string& place, const Texture2D& texture) {
-        attachments += fmt::format("{}{} {} {}×{}", attachments.empty() ? "" : ", ", place,
-                                   formatName(texture.internalFormat()), texture.width(), texture.height());
-        if (width_ == 0) {
-            width_ = texture.width();
-            height_ = texture.height();
-        }
-        sizesAgree = sizesAgree && width_ == texture.width() && height_ == texture.height();
-    };
+    std::vector<Attachment> attachments;
     glBindFramebuffer(GL_FRAMEBUFFER, get());
-    std::vector<GLenum> drawBuffers;
     for (const Texture2D* color : colors) {
-        const auto attachment = static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + drawBuffers.size());
-        list(fmt::format("colour {}", drawBuffers.size()), *color);
+        const auto attachment = static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + attachments.size());
+        attachments.push_back({fmt::format("colour {}", attachments.size()), color->internalFormat(),
+                               color->width(), color->height()});
         glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, color->get(), 0);
-        drawBuffers.push_back(attachment);
     }
+    finish(label, std::move(attachments), depth);
+}
+
+Framebuffer::Framebuffer(std::string_view label, const TextureCube& color, int face, int level,
+                         const Texture2D* depth)
+    : handle_(newName(glGenFramebuffers)) {
+    checkPlace(color, face, level);
+    glBindFramebuffer(GL_FRAMEBUFFER, get());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, faceTarget(face), color.get(), level);
+    const int size = color.sizeOf(level);
+    finish(label, {{fmt::format("face {} level {}", face, level), color.internalFormat(), size, size}},
+           depth);
+}
+
+void Framebuffer::finish(std::string_view label, std::vector<Attachment> attachments,
+                         const Texture2D* depth) {
+    std::vector<GLenum> drawBuffers;
+    for (std::size_t i = 0; i < attachments.size(); ++i)
+        drawBuffers.push_back(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i));
     if (depth != nullptr) {
-        const bool stencil = transferOf(depth->internalFormat()).format == GL_DEPTH_STENCIL;
-        list(stencil ? "depth and stencil" : "depth", *depth);
-        glFramebufferTexture2D(GL_FRAMEBUFFER, stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT,
+        const bool hasStencil = transferOf(depth->internalFormat()).format == GL_DEPTH_STENCIL;
+        attachments.push_back({hasStencil ? "depth and stencil" : "depth", depth->internalFormat(),
+                               depth->width(), depth->height()});
+        glFramebufferTexture2D(GL_FRAMEBUFFER, hasStencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT,
                                GL_TEXTURE_2D, depth->get(), 0);
+    }
+    std::string list;
+    bool sizesAgree = true;
+    for (const Attachment& attachment : attachments) {
+        list += fmt::format("{}{} {} {}×{}", list.empty() ? "" : ", ", attachment.place,
+                            formatName(attachment.format), attachment.width, attachment.height);
+        if (width_ == 0) {
+            width_ = attachment.width;
+            height_ = attachment.height;
+        }
+        sizesAgree = sizesAgree && width_ == attachment.width && height_ == attachment.height;
     }
     if (drawBuffers.empty()) {
         glDrawBuffer(GL_NONE);
@@ -394,7 +501,7 @@ Framebuffer::Framebuffer(std::string_view label, std::span<const Texture2D* cons
         throw GlError(
             fmt::format("incomplete, because {}; attachments: {}",
                         status != GL_FRAMEBUFFER_COMPLETE ? statusName(status) : "attachments differ in size",
-                        attachments.empty() ? "none" : attachments),
+                        list.empty() ? "none" : list),
             fmt::format("framebuffer \"{}\"", label));
     setLabel(GL_FRAMEBUFFER, get(), label);
 }
@@ -420,6 +527,15 @@ Image readPixels(const Texture2D& texture) {
     Image image(bytes.width, bytes.height, bytes.channels, Encoding::srgb);
     std::transform(bytes.data.begin(), bytes.data.end(), image.data.begin(),
                    [](std::uint8_t byte) { return static_cast<float>(byte) / 255.0f; });
+    return image;
+}
+
+Image readPixels(const TextureCube& cube, int face, int level) {
+    checkPlace(cube, face, level);
+    Image image(cube.sizeOf(level), cube.sizeOf(level), 4, Encoding::linear);
+    detail::bindCubeForEditing(cube.get());
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glGetTexImage(faceTarget(face), level, GL_RGBA, GL_FLOAT, image.data.data());
     return image;
 }
 

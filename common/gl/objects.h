@@ -138,6 +138,48 @@ class Texture2D {
     GLenum internalFormat_ = 0;
 };
 
+class Framebuffer;
+
+/// Six square textures, the faces of a cube looked at from its centre: +x −x +y −y +z −z, each with the same
+/// mipmap levels. Directions and texels as OpenGL has them (shaders/lib/environment_math.glsl). Made, changed
+/// and bound like Texture2D; sampled trilinearly.
+class TextureCube {
+  public:
+    static constexpr int faceCount = 6;
+    /// How many levels there are down to 1×1 texel.
+    static int fullLevels(int size);
+
+    TextureCube() = default;
+    /// Storage only, undefined texels. `size`: texels along an edge of level 0; beyond the driver's limit, or
+    /// not positive, it is an InputError. `levels`: 1 … fullLevels(size); others are a bug of the caller.
+    /// Depth formats are a bug of the caller as well.
+    TextureCube(std::string_view label, GLenum internalFormat, int size, int levels);
+    /// `seamless`: texels of neighbouring faces are blended along the edges, here and for every other cube
+    /// until one is bound otherwise.
+    void bind(GLuint unit, bool seamless = true) const;
+    void setFilter(GLenum minification, GLenum magnification);
+    /// Fills the levels below the first, each texel with the mean of four.
+    void generateMipmaps();
+    /// Replaces the texels of a face by an image of four channels whose row 0 is at t = 0.
+    void upload(int face, int level, const Image& image);
+    /// Takes over the first colour of a framebuffer of that level's size, bit for bit in the same format;
+    /// leaves the framebuffer bound.
+    void copyFrom(const Framebuffer& framebuffer, int face, int level);
+    GLuint get() const { return handle_.get(); }
+    int size() const { return size_; }
+    int sizeOf(int level) const { return size_ >> level > 1 ? size_ >> level : 1; }
+    int levels() const { return levels_; }
+    GLenum internalFormat() const { return internalFormat_; }
+    /// Of all faces and levels.
+    std::size_t texelCount() const;
+
+  private:
+    Handle<DeleteTexture> handle_;
+    int size_ = 0;
+    int levels_ = 0;
+    GLenum internalFormat_ = 0;
+};
+
 /// How a unit reads whatever texture is bound to it, instead of as the texture itself says.
 class Sampler {
   public:
@@ -174,6 +216,9 @@ class Framebuffer {
     /// `colors` go to attachments 0, 1, …; `depth` may be null (its format decides depth or depth and
     /// stencil). The textures must outlive this.
     Framebuffer(std::string_view label, std::span<const Texture2D* const> colors, const Texture2D* depth);
+    /// One level of one face of a cube as the only colour.
+    Framebuffer(std::string_view label, const TextureCube& color, int face, int level,
+                const Texture2D* depth = nullptr);
     /// Binds it for drawing and sets the viewport to its size.
     void bind() const;
     int width() const { return width_; }
@@ -181,6 +226,15 @@ class Framebuffer {
     GLuint get() const { return handle_.get(); }
 
   private:
+    struct Attachment {
+        std::string place;
+        GLenum format = 0;
+        int width = 0;
+        int height = 0;
+    };
+    /// Attaches the depth, chooses the draw buffers, and throws if what there is is not complete.
+    void finish(std::string_view label, std::vector<Attachment> attachments, const Texture2D* depth);
+
     Handle<DeleteFramebuffer> handle_;
     int width_ = 0;
     int height_ = 0;
@@ -217,6 +271,8 @@ class Query {
 /// which then gives one channel.
 Image8 readPixels8(const Texture2D& texture);
 Image readPixels(const Texture2D& texture);
+/// One level of a face of a cube: the row of t = 0 first, four channels.
+Image readPixels(const TextureCube& cube, int face, int level);
 
 /// Waits until the device has finished, and tells the seconds since `glFinish` before `work` was called.
 template <typename Work>
