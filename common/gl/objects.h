@@ -78,6 +78,7 @@ class Buffer {
     /// largest alignment that OpenGL allows a driver to ask for.
     void bindUniform(GLuint binding, std::size_t offsetBytes, std::size_t sizeBytes) const;
     GLuint get() const { return handle_.get(); }
+    explicit operator bool() const { return static_cast<bool>(handle_); }
     std::size_t size() const { return size_; }
 
   private:
@@ -127,6 +128,7 @@ class Texture2D {
     void setFilter(GLenum minification, GLenum magnification);
     void setWrap(GLenum s, GLenum t);
     GLuint get() const { return handle_.get(); }
+    explicit operator bool() const { return static_cast<bool>(handle_); }
     int width() const { return width_; }
     int height() const { return height_; }
     GLenum internalFormat() const { return internalFormat_; }

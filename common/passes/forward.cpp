@@ -8,8 +8,6 @@
 #include "math/transform.h"
 
 namespace quincunx {
-namespace {
-
 void drawBackground(graph::PassContext& context) {
     context.programs()
         .get({.label = "background",
@@ -19,8 +17,6 @@ void drawBackground(graph::PassContext& context) {
         .use();
     context.drawFullscreen();
 }
-
-}  // namespace
 
 gl::ProgramFiles phongProgram(bool blinnPhong) {
     gl::ProgramFiles files{.label = "phong", .vertex = "passes/phong.vert", .fragment = "passes/phong.frag"};

@@ -14,6 +14,10 @@ gl::ProgramFiles phongProgram(bool blinnPhong = true);
 /// The program for instances whose back is lit as well.
 gl::ProgramFiles doubleSidedVariant(gl::ProgramFiles program);
 
+/// The frame block's vertical gradient over the whole target, without touching the depth. The frame block is
+/// bound.
+void drawBackground(graph::PassContext& context);
+
 struct ForwardParams {
     /// Its blocks are SceneBuffers' where it names none. `DOUBLE_SIDED` is defined for instances that are.
     gl::ProgramFiles program = phongProgram();

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "passes/depth_of_field.h"
 
 namespace quincunx {
 namespace {
@@ -70,9 +72,32 @@ void addShadows(FrameBuilder& frame) {
                          .writes = {map},
                          .execute = [&device = frame.device, &view = frame.view,
                                      &visibility = frame.visibility, atlas](graph::PassContext& context) {
-                             drawShadowAtlas(context, device.scene(view, visibility), visibility, atlas);
+                             drawShadowAtlas(context, device.materials(view.scene), view.scene, visibility,
+                                             atlas);
                          }});
     frame.shadowMaps.push_back({atlas, map});
+}
+
+Decision mirrors(const Visibility& visibility, const FrameView& view) {
+    const Surroundings& surroundings = visibility.surroundings;
+    if (surroundings.mirrorsInView > 0)
+        return {true, fmt::format("{} of {} mirror{} the surroundings", surroundings.mirrorsInView,
+                                  counted(visibility.visible(), "visible object"),
+                                  surroundings.mirrorsInView == 1 ? "s" : "")};
+    if (surroundings.mirrors > 0)
+        return {false, fmt::format("no reflecting surface in view ({} {} out of view)", surroundings.mirrors,
+                                   surroundings.mirrors == 1 ? "is" : "are")};
+    return {false, view.scene.instances.empty() ? "the scene is empty"
+                                                : "nothing in the scene is metallic or smooth enough to "
+                                                  "mirror its surroundings"};
+}
+
+void addEnvironment(FrameBuilder& frame) {
+    frame.environment = addEnvironmentPass(
+        frame.graph, [&device = frame.device, &view = frame.view,
+                      &visibility = frame.visibility](graph::PassContext& context) {
+            device.environment(context, view.scene, visibility.surroundings);
+        });
 }
 
 Decision blends(const Visibility& visibility, const FrameView& view) {
@@ -90,6 +115,23 @@ Decision blends(const Visibility& visibility, const FrameView& view) {
 
 void sortBlended(FrameBuilder& frame) {
     frame.sortsBlended = true;
+}
+
+Decision defocuses(const Visibility&, const FrameView& view) {
+    const Camera& camera = view.camera;
+    if (!(camera.apertureRadius > 0))
+        return {false, "the camera is a pinhole: everything is sharp"};
+    const CirclesOfConfusion discs = circlesOfConfusion(camera, view.height);
+    return {true, fmt::format("a lens of radius {:.3g} focused at {:.3g}: discs of {:.3g} pixels at the near "
+                              "plane, {:.3g} at the far one",
+                              camera.apertureRadius, camera.focusDistance, std::abs(discs.atNear),
+                              std::abs(discs.atFar))};
+}
+
+void addDefocus(FrameBuilder& frame) {
+    frame.picture = addDepthOfFieldPasses(frame.graph, frame.picture, frame.depth,
+                                          {.camera = frame.view.camera,
+                                           .maxRadiusPixels = frame.view.settings.largestDiscPixels});
 }
 
 Decision blooms(const Visibility&, const FrameView& view) {
@@ -174,7 +216,9 @@ constexpr Effect table[] = {
     {"directional shadows", Stage::before, castsShadows<Kind::directional>, addShadows<Kind::directional>},
     {"spot shadows", Stage::before, castsShadows<Kind::spot>, addShadows<Kind::spot>},
     {"point shadows", Stage::before, castsShadows<Kind::point>, addShadows<Kind::point>},
+    {"environment map", Stage::before, mirrors, addEnvironment},
     {"transparency order", Stage::shading, blends, sortBlended},
+    {"depth of field", Stage::after, defocuses, addDefocus},
     {"bloom", Stage::after, blooms, addBloom},
     {"tone map", Stage::after, mapsTones, addToneMap},
     {"blur", Stage::after, blurs, addBlur},

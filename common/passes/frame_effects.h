@@ -1,12 +1,13 @@
 #pragma once
 
-#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "graph/graph.h"
+#include "passes/frame_device.h"
 #include "passes/frame_shadows.h"
 #include "passes/frame_visibility.h"
 
@@ -42,6 +43,7 @@ struct FrameBuilder {
         graph::Resource map;
     };
     std::vector<ShadowMapUse> shadowMaps = {};
+    std::optional<graph::Resource> environment = {};
     bool sortsBlended = false;
 
     /// A resource of the picture's size in linear float light.

@@ -8,14 +8,6 @@
 namespace quincunx {
 namespace {
 
-gl::ProgramFiles shadingProgram() {
-    return {.label = "shade",
-            .vertex = "passes/phong.vert",
-            .fragment = "passes/frame_phong.frag",
-            .defines = {{"BLINN_PHONG", ""}},
-            .blocks = SceneBuffers::bindings()};
-}
-
 void addCopyPass(graph::FrameGraph& graph, graph::Resource from, graph::Resource to) {
     graph.addPass({.name = "present",
                    .reads = {from},
@@ -32,13 +24,50 @@ void addCopyPass(graph::FrameGraph& graph, graph::Resource from, graph::Resource
                    }});
 }
 
-}  // namespace
+/// The scene with its shadows and mirrors, into the bound target.
+void shade(graph::PassContext& context, const FrameView& view, const Visibility& visibility,
+           FrameDevice& device, const std::vector<FrameBuilder::ShadowMapUse>& maps, bool mirrors,
+           bool sorts) {
+    MaterialParams params;
+    if (!maps.empty()) {
+        params.fragment = "passes/frame_material.frag";
+        std::vector<FrameShadows::Map> bound;
+        for (const FrameBuilder::ShadowMapUse& use : maps) {
+            FrameShadows::addTo(params, use.atlas.kind);
+            bound.push_back({use.atlas, context.texture(use.map)});
+        }
+        device.shadows().bind(context, visibility, bound, view.settings.shadowRadius);
+    }
+    if (mirrors) {
+        params.environmentFragment = "passes/frame_mirror.frag";
+        gl::ProgramFiles files;
+        EnvironmentMap::addBindings(files);
+        params.blocks.insert(params.blocks.end(), files.blocks.begin(), files.blocks.end());
+        params.samplers.insert(params.samplers.end(), files.samplers.begin(), files.samplers.end());
+        device.environment(context, view.scene, visibility.surroundings).bind();
+    }
+    std::vector<Light> lights;
+    for (const LightReach& reach : visibility.lights) {
+        lights.push_back(view.scene.lights[reach.light]);
+        lights.back().position -= visibility.anchorWorld;
+    }
+    std::vector<std::uint32_t> blended = visibility.blended;
+    if (!sorts)
+        std::sort(blended.begin(), blended.end());
+    glClear(GL_DEPTH_BUFFER_BIT);
+    device.materials(view.scene)
+        .draw(context, view.scene,
+              {.frame = makeFrameBlock(view.scene, lights, visibility.clipFromAnchored,
+                                       visibility.eyeAnchored),
+               .anchorWorld = visibility.anchorWorld,
+               .visible = visibility.solid,
+               .blended = blended},
+              params);
+    if (!maps.empty())
+        device.shadows().unbind();
+}
 
-/// What is kept on the device from frame to frame.
-struct FrameRenderer::Device {
-    FrameDevice frame;
-    std::optional<FrameShadows> shadows;
-};
+}  // namespace
 
 /// What the passes of one frame refer to while they run.
 struct FrameRenderer::Planned {
@@ -50,7 +79,7 @@ const PlannedEffect& FramePlan::find(std::string_view effect) const {
     return effects.at(findEffect(effect));
 }
 
-FrameRenderer::FrameRenderer() : device_(std::make_shared<Device>()) {}
+FrameRenderer::FrameRenderer() : device_(std::make_shared<FrameDevice>()) {}
 FrameRenderer::~FrameRenderer() = default;
 FrameRenderer::FrameRenderer(FrameRenderer&&) noexcept = default;
 FrameRenderer& FrameRenderer::operator=(FrameRenderer&&) noexcept = default;
@@ -58,7 +87,7 @@ FrameRenderer& FrameRenderer::operator=(FrameRenderer&&) noexcept = default;
 void FrameRenderer::reset() {
     bounds_.reset();
     planned_.reset();
-    device_ = std::make_shared<Device>();
+    device_ = std::make_shared<FrameDevice>();
 }
 
 const Visibility& FrameRenderer::visibility() const {
@@ -70,7 +99,6 @@ void FrameRenderer::decide(const FrameView& view) {
     if (!bounds_)
         bounds_.emplace(view.scene);
     planned_ = std::make_shared<Planned>(Planned{view, bounds_->look(view)});
-    device_->frame.updatedFor_ = nullptr;
     const Visibility& visibility = planned_->visibility;
     plan_ = {};
     const std::span<const Effect> rows = effects();
@@ -105,7 +133,7 @@ graph::Resource FrameRenderer::build(graph::FrameGraph& graph, const FrameView& 
     const graph::Resource target =
         graph.addResource({"picture", view.pictureFormat, view.width, view.height});
     FrameBuilder frame{.graph = graph, .view = planned->view, .visibility = visibility,
-                       .device = device_->frame};
+                       .device = *device_};
     frame.target = target;
 
     const std::span<const Effect> rows = effects();
@@ -141,30 +169,15 @@ graph::Resource FrameRenderer::build(graph::FrameGraph& graph, const FrameView& 
                 plan_.shadowTriangles +=
                     view.scene.meshes[view.scene.instances[i].mesh].triangleCount();
     }
+    if (frame.environment)
+        reads.push_back(*frame.environment);
     graph.addPass({.name = "shade",
                    .reads = reads,
                    .writes = {frame.picture, frame.depth},
                    .execute = [planned, device = device_, maps = frame.shadowMaps,
-                               radius = view.settings.shadowRadius](graph::PassContext& context) {
-                       const Visibility& seen = planned->visibility;
-                       FrameScene& scene = device->frame.scene(planned->view, seen);
-                       glClear(GL_DEPTH_BUFFER_BIT);
-                       scene.drawBackground(context);
-                       gl::ProgramFiles program = shadingProgram();
-                       if (!maps.empty()) {
-                           std::vector<FrameShadows::Map> bound;
-                           for (const FrameBuilder::ShadowMapUse& use : maps) {
-                               FrameShadows::addTo(program, use.atlas.kind);
-                               bound.push_back({use.atlas, context.texture(use.map)});
-                           }
-                           if (!device->shadows)
-                               device->shadows.emplace();
-                           device->shadows->bind(context, seen, bound, radius);
-                       }
-                       scene.drawSolid(context, seen.solid, program);
-                       scene.drawBlended(context, seen.blended, program);
-                       if (!maps.empty())
-                           device->shadows->unbind();
+                               mirrors = frame.environment.has_value(),
+                               sorts = frame.sortsBlended](graph::PassContext& context) {
+                       shade(context, planned->view, planned->visibility, *device, maps, mirrors, sorts);
                    }});
     addStage(Effect::Stage::after);
     if (!(frame.picture == target))

@@ -49,17 +49,17 @@ class FrameRenderer {
     /// Of the last `build` or `plan`.
     const FramePlan& plan() const { return plan_; }
     const Visibility& visibility() const;
+    const FrameDevice& device() const { return *device_; }
 
     /// Forgets the scene, for another one.
     void reset();
 
   private:
-    struct Device;
     struct Planned;
     void decide(const FrameView& view);
 
     std::optional<SceneBounds> bounds_;
-    std::shared_ptr<Device> device_;
+    std::shared_ptr<FrameDevice> device_;
     std::shared_ptr<Planned> planned_;  ///< the frame that was built last
     FramePlan plan_;
 };

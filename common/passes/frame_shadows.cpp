@@ -10,8 +10,8 @@
 namespace quincunx {
 namespace {
 
-constexpr GLuint shadowBinding = 3;
-constexpr GLuint firstShadowUnit = 9;  // and one a kind of light
+constexpr GLuint shadowBinding = 5;
+constexpr GLuint firstShadowUnit = 11;  // and one a kind of light
 constexpr std::size_t maxFrameShadowViews = 6 * maxShaderLights;
 constexpr int mostTexels = 8192;
 
@@ -74,8 +74,8 @@ ShadowAtlas makeShadowAtlas(const Visibility& visibility, const Scene& scene, Li
     return atlas;
 }
 
-void drawShadowAtlas(graph::PassContext& context, FrameScene& scene, const Visibility& visibility,
-                     const ShadowAtlas& atlas) {
+void drawShadowAtlas(graph::PassContext& context, MaterialPass& materials, const Scene& scene,
+                     const Visibility& visibility, const ShadowAtlas& atlas) {
     glClear(GL_DEPTH_BUFFER_BIT);
     if (atlas.tiles.empty())
         return;
@@ -86,19 +86,20 @@ void drawShadowAtlas(graph::PassContext& context, FrameScene& scene, const Visib
         const int place = static_cast<int>(i);
         glViewport(place % atlas.columns * atlas.resolution, place / atlas.columns * atlas.resolution,
                    atlas.resolution, atlas.resolution);
-        scene.drawDepth(context, visibility.lights[tile.light].casters, tile.clipFromAnchored);
+        materials.drawDepth(context, scene, tile.clipFromAnchored, visibility.anchorWorld,
+                            visibility.lights[tile.light].casters);
     }
     glDisable(GL_DEPTH_CLAMP);
     glViewport(0, 0, atlas.width(), atlas.height());
 }
 
-void FrameShadows::addTo(gl::ProgramFiles& program, Light::Kind kind) {
+void FrameShadows::addTo(MaterialParams& params, Light::Kind kind) {
     const KindNames names = namesOf(kind);
-    program.defines.emplace_back(names.define, "");
-    program.samplers.push_back({names.sampler, unitOf(kind)});
+    params.defines.emplace_back(names.define, "");
+    params.samplers.push_back({names.sampler, unitOf(kind)});
     const gl::BlockBinding block{"FrameShadowBlock", shadowBinding};
-    if (std::find(program.blocks.begin(), program.blocks.end(), block) == program.blocks.end())
-        program.blocks.push_back(block);
+    if (std::find(params.blocks.begin(), params.blocks.end(), block) == params.blocks.end())
+        params.blocks.push_back(block);
 }
 
 void FrameShadows::bind(graph::PassContext& context, const Visibility& visibility,

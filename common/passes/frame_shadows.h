@@ -1,12 +1,13 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "gl/executor.h"
-#include "passes/frame_scene.h"
 #include "passes/frame_visibility.h"
+#include "passes/material.h"
 
 namespace quincunx {
 
@@ -32,8 +33,8 @@ ShadowAtlas makeShadowAtlas(const Visibility& visibility, const Scene& scene, Li
                             const FrameSettings& settings);
 
 /// Draws each tile's casters into the bound depth target, whose size is the atlas'.
-void drawShadowAtlas(graph::PassContext& context, FrameScene& scene, const Visibility& visibility,
-                     const ShadowAtlas& atlas);
+void drawShadowAtlas(graph::PassContext& context, MaterialPass& materials, const Scene& scene,
+                     const Visibility& visibility, const ShadowAtlas& atlas);
 
 /// What the shading shaders read of a frame's shadow maps (shaders/lib/frame_shadows.glsl).
 class FrameShadows {
@@ -42,8 +43,8 @@ class FrameShadows {
         const ShadowAtlas& atlas;
         const gl::Texture2D& texture;
     };
-    /// Adds to `program` what it needs to look up maps of that kind.
-    static void addTo(gl::ProgramFiles& program, Light::Kind kind);
+    /// Adds to `params` what programs need to look up maps of that kind.
+    static void addTo(MaterialParams& params, Light::Kind kind);
     /// Sends what the maps hold, and binds them and their block.
     void bind(graph::PassContext& context, const Visibility& visibility, const std::vector<Map>& maps,
               int radius);

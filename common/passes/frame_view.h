@@ -27,6 +27,7 @@ struct FrameSettings {
     float blurSigmaPixels = 0;  ///< 0: no blur
     float greyscale = 0;        ///< 0 colour … 1 grey
     bool fxaa = false;
+    float largestDiscPixels = 16;  ///< of a point that a lens shows out of focus, 0 … 128
     float shutterSeconds = 0;  ///< how long the shutter is open; 0: nothing is blurred by its motion
     /// Of every light that casts; a directional light's one map is as large as wanted, a spot's and each of a
     /// point's six views half as wide.

@@ -12,7 +12,7 @@
 #include "math/projection.h"
 #include "math/transform.h"
 #include "math/vector.h"
-#include "passes/scene_buffers.h"
+#include "passes/material.h"
 
 namespace quincunx {
 namespace {
@@ -114,7 +114,12 @@ class Reach {
             if (across * cosine_ - along * sine_ > radius + rounding)
                 return false;
         }
-        return true;
+        return !endsBefore(box);
+    }
+    /// What the light's end lets through: nothing beyond its range.
+    bool endsBefore(const Box& box) const {
+        return light_.kind != Light::Kind::directional && light_.range > 0 &&
+               nearest(box) > (1 + slack) * light_.range;
     }
     double nearest(const Box& box) const {
         return glm::length(glm::max(glm::abs(box.centre - position_) - box.half, glm::dvec3(0)));
@@ -155,10 +160,6 @@ glm::mat4 clipFromAnchored(const Camera& camera, float aspect, const glm::vec3& 
     return glm::mat4(
         glm::dmat4(perspective(camera.fovYRadians, aspect, camera.nearDistance, camera.farDistance)) *
         glm::dmat4(cameraFromWorld(relativeTo(anchor, camera.worldFromCamera))));
-}
-
-bool answersLight(const Material& material) {
-    return material.diffuse != glm::vec3(0) || material.specular != glm::vec3(0);
 }
 
 /// The largest share of a light that may arrive in a box, for choosing the strongest lights.
@@ -289,12 +290,12 @@ Visibility SceneBounds::look(const FrameView& view) const {
 
     struct Answer {
         bool blends;
-        bool receives;
+        bool mirrors;
     };
     std::vector<Answer> materials;
     materials.reserve(scene.materials.size());
     for (const Material& material : scene.materials)
-        materials.push_back({material.alphaMode == Material::AlphaMode::blend, answersLight(material)});
+        materials.push_back({material.alphaMode == Material::AlphaMode::blend, mirrorsSurroundings(material)});
 
     const ViewPlanes planes(result.clipFromAnchored);
     const ViewPlanes planesAtOpen(result.clipFromAnchoredAtOpen);
@@ -317,6 +318,7 @@ Visibility SceneBounds::look(const FrameView& view) const {
         placed.drawable[i] = true;
         placed.casts[i] = !material.blends;
         placed.flat[i] = mesh.flat;
+        result.surroundings.mirrors += material.mirrors ? 1 : 0;
         const bool visible = planes.mayMeet(box);
         const auto index = static_cast<std::uint32_t>(i);
         if (exposes && !view.worldFromModelAtOpen.empty() &&
@@ -335,10 +337,9 @@ Visibility SceneBounds::look(const FrameView& view) const {
         } else {
             result.solid.push_back(index);
         }
-        if (material.receives) {
-            receivers.push_back(index);
-            seen.add(box.centre, box.half);
-        }
+        result.surroundings.mirrorsInView += material.mirrors ? 1 : 0;
+        receivers.push_back(index);
+        seen.add(box.centre, box.half);
     }
     result.blended.reserve(blended.size());
     for (const std::uint32_t i : farthestFirst(distances))
@@ -383,7 +384,62 @@ Visibility SceneBounds::look(const FrameView& view) const {
                 lit.push_back(i);
         result.lights.push_back(reachOf(scene.lights[candidate.light], candidate.light, reach, placed, lit));
     }
+    if (result.surroundings.mirrorsInView > 0)
+        look(scene, result.surroundings);
     return result;
+}
+
+void SceneBounds::look(const Scene& scene, Surroundings& surroundings) const {
+    struct Seen {
+        Box box;
+        std::uint32_t instance;
+        bool blends;
+    };
+    std::vector<Seen> seen;
+    Span mirrors;
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        const MeshBounds& mesh = meshes_[instance.mesh];
+        if (mesh.empty)
+            continue;
+        const Material& material = scene.materials[instance.material];
+        const Box box = boxOf(instance.worldFromModel, mesh.centre, mesh.half);
+        if (mirrorsSurroundings(material))
+            mirrors.add(box.centre, box.half);
+        seen.push_back(
+            {box, static_cast<std::uint32_t>(i), material.alphaMode == Material::AlphaMode::blend});
+    }
+    const glm::vec3 middle(0.5 * (mirrors.min + mirrors.max));
+    surroundings.positionWorld = isFinite(middle) ? middle : glm::vec3(0);
+    const glm::dvec3 position(surroundings.positionWorld);
+    std::vector<double> distances;
+    std::vector<std::uint32_t> blended;
+    double farthest = 0;
+    for (const Seen& object : seen) {
+        const glm::dvec3 towards = object.box.centre - position;
+        const glm::dvec3 outside = glm::abs(towards) - object.box.half;
+        if (outside.x <= 0 && outside.y <= 0 && outside.z <= 0)
+            continue;
+        farthest = std::max(farthest, glm::length(glm::abs(towards) + object.box.half));
+        if (object.blends) {
+            blended.push_back(object.instance);
+            distances.push_back(glm::dot(towards, towards));
+        } else {
+            surroundings.solid.push_back(object.instance);
+        }
+    }
+    for (const std::uint32_t i : farthestFirst(distances))
+        surroundings.blended.push_back(blended[i]);
+    const auto reach = static_cast<float>(1.001 * farthest);
+    surroundings.farDistance = std::isfinite(reach) && reach > 1e-6f ? reach : 1.0f;
+    surroundings.nearDistance = 1e-4f * surroundings.farDistance;
+    std::vector<double> strengths;
+    for (const Light& light : scene.lights)
+        strengths.push_back(strengthAt(light, Reach(light, glm::vec3(0)), {position, glm::dvec3(1)}));
+    for (const std::uint32_t l : farthestFirst(strengths))
+        if (surroundings.lights.size() < maxShaderLights)
+            surroundings.lights.push_back(l);
+    std::sort(surroundings.lights.begin(), surroundings.lights.end());
 }
 
 glm::vec3 anchorOf(const Camera& camera) {

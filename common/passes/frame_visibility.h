@@ -24,6 +24,19 @@ struct LightReach {
     ShadowExtent extent;                  ///< of casters and receivers, for the map's views
 };
 
+/// What the mirrors of a scene have around them. It does not depend on the camera, but for being filled in
+/// only where a mirror is in view.
+struct Surroundings {
+    std::size_t mirrors = 0;        ///< instances that mirror their surroundings, in view or not
+    std::size_t mirrorsInView = 0;
+    glm::vec3 positionWorld{0};     ///< the middle of all mirrors
+    float nearDistance = 1e-3f;     ///< of a view from there that holds all instances
+    float farDistance = 1;
+    std::vector<std::uint32_t> solid;    ///< what is seen from there: all but what holds the position inside
+    std::vector<std::uint32_t> blended;  ///< the same, the farthest first
+    std::vector<std::size_t> lights;     ///< the strongest, at most maxShaderLights
+};
+
 struct Visibility {
     /// Everything is drawn relative to this point of the world, so that a scene far from the origin loses
     /// nothing to rounding: the origin itself for what is near it.
@@ -38,6 +51,7 @@ struct Visibility {
     std::size_t lightsLeftOut = 0;       ///< that reach something in view, but are weaker than those
     std::size_t lightsWithoutEffect = 0;  ///< dark, or of no reach into the view
 
+    Surroundings surroundings;
     std::size_t instances = 0;  ///< of the scene
     std::size_t moved = 0;      ///< visible instances that moved while the shutter was open
     bool cameraMoved = false;   ///< … or the camera
@@ -59,6 +73,8 @@ class SceneBounds {
     Visibility look(const FrameView& view) const;
 
   private:
+    void look(const Scene& scene, Surroundings& surroundings) const;
+
     struct MeshBounds {
         glm::dvec3 centre{0};
         glm::dvec3 half{0};

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 
 #include <fmt/format.h>
 
 #include "base/check.h"
 #include "base/error.h"
 #include "geometry/normals.h"
+#include "geometry/tangents.h"
 #include "math/projection.h"
 #include "math/transform.h"
 
@@ -18,12 +18,6 @@ namespace {
 
 constexpr GLuint frameBinding = 0;
 constexpr GLuint objectBinding = 1;
-
-struct SharedVertex {
-    glm::vec3 position;
-    glm::vec3 normal;
-    glm::vec2 texcoord;
-};
 
 struct FacetVertex {
     glm::vec3 position;
@@ -37,12 +31,35 @@ std::span<const std::byte> bytesOf(const std::vector<T>& values) {
     return std::as_bytes(std::span(values));
 }
 
-std::vector<SharedVertex> sharedVertices(const Mesh& mesh) {
-    std::vector<SharedVertex> vertices(mesh.positions.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-        vertices[i] = {mesh.positions[i], mesh.normals.empty() ? glm::vec3(0) : mesh.normals[i],
-                       mesh.texcoords.empty() ? glm::vec2(0) : mesh.texcoords[i]};
-    return vertices;
+/// The floats of one mesh's vertices: position, normal, texture coordinates, and the extras in the order of
+/// their locations.
+void appendVertices(const Mesh& mesh, const VertexExtras& extras, std::vector<float>& floats) {
+    std::vector<glm::vec4> made;
+    const std::vector<glm::vec4>* tangents = &mesh.tangents;
+    if (extras.tangentsFrom && mesh.tangents.empty() && !mesh.normals.empty()) {
+        const std::vector<glm::vec2>& texcoords =
+            *extras.tangentsFrom == 1 && !mesh.texcoords1.empty() ? mesh.texcoords1 : mesh.texcoords;
+        if (!texcoords.empty()) {
+            made = vertexTangents(mesh, texcoords);
+            tangents = &made;
+        }
+    }
+    const auto append = [&floats](const auto& values, std::size_t i, auto otherwise) {
+        const auto value = values.empty() ? otherwise : values[i];
+        for (int k = 0; k < value.length(); ++k)
+            floats.push_back(value[k]);
+    };
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        append(mesh.positions, i, glm::vec3(0));
+        append(mesh.normals, i, glm::vec3(0));
+        append(mesh.texcoords, i, glm::vec2(0));
+        if (extras.texcoords1)
+            append(mesh.texcoords1, i, glm::vec2(0));
+        if (extras.tangentsFrom)
+            append(*tangents, i, glm::vec4(0));
+        if (extras.colors)
+            append(mesh.colors, i, glm::vec4(1));
+    }
 }
 
 std::vector<FacetVertex> facetVertices(const Mesh& mesh) {
@@ -74,6 +91,19 @@ GLenum wrapMode(Texture::Wrap wrap) {
     return GL_REPEAT;
 }
 
+GLenum minification(const Texture& texture) {
+    const bool linear = texture.minification == Texture::Filter::linear;
+    switch (texture.mipmaps) {
+        case Texture::Mipmaps::nearest:
+            return linear ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
+        case Texture::Mipmaps::linear:
+            return linear ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
+        case Texture::Mipmaps::none:
+            break;
+    }
+    return linear ? GL_LINEAR : GL_NEAREST;
+}
+
 }  // namespace
 
 FrameBlock makeFrameBlock(const Scene& scene, const std::vector<Light>& lights, const Camera& camera,
@@ -101,7 +131,8 @@ FrameBlock makeFrameBlock(const Scene& scene, const std::vector<Light>& lights,
         const Light& light = lights[i];
         block.lights[i] = {glm::vec4(light.position, static_cast<float>(light.kind)),
                            glm::vec4(light.direction, light.innerConeRadians),
-                           glm::vec4(light.color * light.intensity, light.outerConeRadians)};
+                           glm::vec4(light.color * light.intensity, light.outerConeRadians),
+                           glm::vec4(light.kind == Light::Kind::directional ? 0 : light.range, 0, 0, 0)};
     }
     return block;
 }
@@ -126,66 +157,149 @@ const std::vector<gl::BlockBinding>& SceneBuffers::bindings() {
     return blocks;
 }
 
-SceneBuffers::SceneBuffers(const Scene& scene, Layout layout)
-    : frameBuffer_("frame block", GL_UNIFORM_BUFFER, std::as_bytes(std::span(&frame_, 1)), GL_DYNAMIC_DRAW),
-      objectBuffer_("object blocks", GL_UNIFORM_BUFFER, {}, GL_DYNAMIC_DRAW),
-      vertexArray_("scene"),
-      indexed_(layout == Layout::shared) {
-    struct Range {
-        Draw draw;
-        std::uint64_t vertices = 0;
-        std::uint64_t triangles = 0;
+FrameUniforms::FrameUniforms()
+    : buffer_("frame block", GL_UNIFORM_BUFFER, std::as_bytes(std::span(&block_, 1)), GL_DYNAMIC_DRAW) {}
+
+void FrameUniforms::update(const FrameBlock& frame) {
+    if (frame == block_)
+        return;
+    block_ = frame;
+    buffer_.upload(std::as_bytes(std::span(&block_, 1)));
+}
+
+void FrameUniforms::bind() const {
+    buffer_.bindUniform(frameBinding, 0, sizeof(FrameBlock));
+}
+
+gl::Texture2D makeTexture(const Texture& texture) {
+    gl::Texture2D result(texture.name, texture.image);
+    result.setWrap(wrapMode(texture.wrapS), wrapMode(texture.wrapT));
+    result.setFilter(minification(texture),
+                     texture.magnification == Texture::Filter::linear ? GL_LINEAR : GL_NEAREST);
+    return result;
+}
+
+MeshBuffers::MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<VertexExtras>& extras) {
+    QX_CHECK_EQ(extras.size(), meshes.size());
+    struct Contents {
+        VertexExtras extras;
+        std::size_t vertices = 0;
+        std::vector<float> floats;
     };
-    std::vector<Range> ranges;
-    std::vector<SharedVertex> shared;
-    std::vector<FacetVertex> facets;
+    std::vector<Contents> contents;
     std::vector<std::uint32_t> indices;
-    for (const Mesh& mesh : scene.meshes) {
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+        const auto fits = [&](const Contents& store) {
+            return store.extras.texcoords1 == extras[m].texcoords1 &&
+                   store.extras.colors == extras[m].colors &&
+                   store.extras.tangentsFrom.has_value() == extras[m].tangentsFrom.has_value();
+        };
+        auto store = std::find_if(contents.begin(), contents.end(), fits);
+        if (store == contents.end())
+            store = contents.insert(contents.end(), {extras[m], 0, {}});
         Range range;
-        range.triangles = mesh.triangleCount();
-        range.draw.indexCount = static_cast<GLsizei>(mesh.indices.size());
-        if (indexed_) {
-            range.draw.baseVertex = static_cast<GLint>(shared.size());
-            range.draw.firstIndexByte = indices.size() * sizeof(std::uint32_t);
-            const std::vector<SharedVertex> vertices = sharedVertices(mesh);
-            shared.insert(shared.end(), vertices.begin(), vertices.end());
-            indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
-            range.vertices = vertices.size();
-        } else {
-            range.draw.baseVertex = static_cast<GLint>(facets.size());
-            const std::vector<FacetVertex> vertices = facetVertices(mesh);
-            facets.insert(facets.end(), vertices.begin(), vertices.end());
-            range.vertices = vertices.size();
+        range.store = static_cast<std::size_t>(store - contents.begin());
+        range.indexCount = static_cast<GLsizei>(meshes[m].indices.size());
+        range.firstIndexByte = indices.size() * sizeof(std::uint32_t);
+        range.baseVertex = static_cast<GLint>(store->vertices);
+        range.vertexCount = meshes[m].positions.size();
+        ranges_.push_back(range);
+        appendVertices(meshes[m], extras[m], store->floats);
+        store->vertices += meshes[m].positions.size();
+        indices.insert(indices.end(), meshes[m].indices.begin(), meshes[m].indices.end());
+    }
+    indices_ = gl::Buffer("indices", GL_ARRAY_BUFFER, bytesOf(indices));
+    for (const Contents& content : contents) {
+        Store& store = stores_.emplace_back(gl::Buffer("vertices", GL_ARRAY_BUFFER, bytesOf(content.floats)),
+                                            gl::VertexArray("scene"));
+        struct Attribute {
+            GLuint location;
+            GLint components;
+        };
+        std::vector<Attribute> attributes = {
+            {positionLocation, 3}, {normalLocation, 3}, {texcoordLocation, 2}};
+        if (content.extras.texcoords1)
+            attributes.push_back({texcoord1Location, 2});
+        if (content.extras.tangentsFrom)
+            attributes.push_back({tangentLocation, 4});
+        if (content.extras.colors)
+            attributes.push_back({colorLocation, 4});
+        GLint floats = 0;
+        for (const Attribute& attribute : attributes)
+            floats += attribute.components;
+        std::size_t offset = 0;
+        for (const Attribute& attribute : attributes) {
+            store.vertexArray.attribute(store.vertices,
+                                        {attribute.location, attribute.components, GL_FLOAT, false,
+                                         floats * static_cast<GLsizei>(sizeof(float)), offset});
+            offset += static_cast<std::size_t>(attribute.components) * sizeof(float);
         }
-        ranges.push_back(range);
+        store.vertexArray.indices(indices_);
     }
+}
 
-    using Attribute = gl::VertexArray::Attribute;
-    if (indexed_) {
-        vertices_ = gl::Buffer("vertices", GL_ARRAY_BUFFER, bytesOf(shared));
-        constexpr GLsizei stride = sizeof(SharedVertex);
-        vertexArray_.attribute(vertices_, Attribute{positionLocation, 3, GL_FLOAT, false, stride, 0});
-        vertexArray_.attribute(
-            vertices_, Attribute{normalLocation, 3, GL_FLOAT, false, stride, offsetof(SharedVertex, normal)});
-        vertexArray_.attribute(vertices_, Attribute{texcoordLocation, 2, GL_FLOAT, false, stride,
-                                                    offsetof(SharedVertex, texcoord)});
-        indices_ = gl::Buffer("indices", GL_ARRAY_BUFFER, bytesOf(indices));
-        vertexArray_.indices(indices_);
+void MeshBuffers::bind(std::size_t mesh) const {
+    stores_[ranges_[mesh].store].vertexArray.bind();
+}
+
+void MeshBuffers::draw(std::size_t mesh) const {
+    const Range& range = ranges_[mesh];
+    glDrawElementsBaseVertex(GL_TRIANGLES, range.indexCount, GL_UNSIGNED_INT,
+                             reinterpret_cast<const void*>(range.firstIndexByte), range.baseVertex);
+}
+
+void MeshBuffers::drawInstanced(std::size_t mesh, std::size_t count) const {
+    const Range& range = ranges_[mesh];
+    glDrawElementsInstancedBaseVertex(GL_TRIANGLES, range.indexCount, GL_UNSIGNED_INT,
+                                      reinterpret_cast<const void*>(range.firstIndexByte),
+                                      static_cast<GLsizei>(count), range.baseVertex);
+}
+
+std::uint64_t MeshBuffers::bytes() const {
+    std::uint64_t sum = indices_.size();
+    for (const Store& store : stores_)
+        sum += store.vertices.size();
+    return sum;
+}
+
+SceneBuffers::SceneBuffers(const Scene& scene, Layout layout)
+    : objectBuffer_("object blocks", GL_UNIFORM_BUFFER, {}, GL_DYNAMIC_DRAW) {
+    std::vector<Draw> byMesh(scene.meshes.size());
+    std::vector<std::uint64_t> vertexCounts(scene.meshes.size());
+    if (layout == Layout::shared) {
+        shared_.emplace(scene.meshes, std::vector<VertexExtras>(scene.meshes.size()));
+        for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+            byMesh[m].mesh = m;
+            vertexCounts[m] = shared_->vertexCount(m);
+        }
     } else {
-        vertices_ = gl::Buffer("facets", GL_ARRAY_BUFFER, bytesOf(facets));
+        std::vector<FacetVertex> facets;
+        for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+            const std::vector<FacetVertex> vertices = facetVertices(scene.meshes[m]);
+            byMesh[m].mesh = m;
+            byMesh[m].firstVertex = static_cast<GLint>(facets.size());
+            byMesh[m].vertexCount = static_cast<GLsizei>(vertices.size());
+            vertexCounts[m] = vertices.size();
+            facets.insert(facets.end(), vertices.begin(), vertices.end());
+        }
+        using Attribute = gl::VertexArray::Attribute;
+        facets_ = gl::Buffer("facets", GL_ARRAY_BUFFER, bytesOf(facets));
+        facetArray_ = gl::VertexArray("facets");
         constexpr GLsizei stride = sizeof(FacetVertex);
-        vertexArray_.attribute(vertices_, Attribute{positionLocation, 3, GL_FLOAT, false, stride, 0});
-        vertexArray_.attribute(vertices_, Attribute{normalLocation, 3, GL_FLOAT, false, stride,
-                                                    offsetof(FacetVertex, planeNormal)});
-        vertexArray_.attribute(vertices_, Attribute{texcoordLocation, 2, GL_FLOAT, false, stride,
-                                                    offsetof(FacetVertex, texcoord)});
-        vertexArray_.attribute(vertices_, Attribute{centroidLocation, 3, GL_FLOAT, false, stride,
-                                                    offsetof(FacetVertex, centroid)});
+        facetArray_.attribute(facets_, Attribute{positionLocation, 3, GL_FLOAT, false, stride, 0});
+        facetArray_.attribute(facets_, Attribute{normalLocation, 3, GL_FLOAT, false, stride,
+                                                 offsetof(FacetVertex, planeNormal)});
+        facetArray_.attribute(facets_, Attribute{texcoordLocation, 2, GL_FLOAT, false, stride,
+                                                 offsetof(FacetVertex, texcoord)});
+        facetArray_.attribute(facets_, Attribute{centroidLocation, 3, GL_FLOAT, false, stride,
+                                                 offsetof(FacetVertex, centroid)});
     }
 
-    for (const Texture& texture : scene.textures) {
-        textures_.emplace_back(texture.name, texture.image);
-        textures_.back().setWrap(wrapMode(texture.wrapS), wrapMode(texture.wrapT));
+    textures_.resize(scene.textures.size());
+    for (const Instance& instance : scene.instances) {
+        const auto& use = scene.materials[instance.material].baseColorTexture;
+        if (use && !textures_[use->texture])
+            textures_[use->texture] = makeTexture(scene.textures[use->texture]);
     }
     Image8 white(1, 1, 4, Encoding::linear);
     std::fill(white.data.begin(), white.data.end(), std::uint8_t{255});
@@ -193,20 +307,17 @@ SceneBuffers::SceneBuffers(const Scene& scene, Layout layout)
     textures_.back().setFilter(GL_NEAREST, GL_NEAREST);
 
     for (const Instance& instance : scene.instances) {
-        const Range& range = ranges[instance.mesh];
-        draws_.push_back(range.draw);
+        draws_.push_back(byMesh[instance.mesh]);
         const Material& material = scene.materials[instance.material];
-        draws_.back().texture = &textures_[material.baseColorTexture ? material.baseColorTexture->texture : scene.textures.size()];
-        vertexCount_ += range.vertices;
-        triangleCount_ += range.triangles;
+        draws_.back().texture = &textures_[material.baseColorTexture ? material.baseColorTexture->texture
+                                                                     : scene.textures.size()];
+        vertexCount_ += vertexCounts[instance.mesh];
+        triangleCount_ += scene.meshes[instance.mesh].triangleCount();
     }
 }
 
 void SceneBuffers::update(const FrameBlock& frame, const std::vector<ObjectBlock>& objects) {
-    if (!(frame == frame_)) {
-        frame_ = frame;
-        frameBuffer_.upload(std::as_bytes(std::span(&frame_, 1)));
-    }
+    frame_.update(frame);
     updateObjects(objects);
 }
 
@@ -224,22 +335,24 @@ void SceneBuffers::updateObjects(const std::vector<ObjectBlock>& objects) {
 }
 
 void SceneBuffers::bindFrame() const {
-    frameBuffer_.bindUniform(frameBinding, 0, sizeof(FrameBlock));
+    frame_.bind();
 }
 
 void SceneBuffers::bindVertices() const {
-    vertexArray_.bind();
+    if (!shared_)
+        facetArray_.bind();
+    else if (shared_->size() > 0)
+        shared_->bind(0);
 }
 
 void SceneBuffers::draw(std::size_t instance) const {
     const Draw& draw = draws_[instance];
     draw.texture->bind(0);
     objectBuffer_.bindUniform(objectBinding, instance * sizeof(ObjectBlock), sizeof(ObjectBlock));
-    if (indexed_)
-        glDrawElementsBaseVertex(GL_TRIANGLES, draw.indexCount, GL_UNSIGNED_INT,
-                                 reinterpret_cast<const void*>(draw.firstIndexByte), draw.baseVertex);
+    if (shared_)
+        shared_->draw(draw.mesh);
     else
-        glDrawArrays(GL_TRIANGLES, draw.baseVertex, draw.indexCount);
+        glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
 }
 
 }  // namespace quincunx

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -21,6 +23,7 @@ struct FrameBlock {
         glm::vec4 position{0};
         glm::vec4 direction{0};
         glm::vec4 radiance{0};
+        glm::vec4 reach{0};
 
         bool operator==(const Light&) const = default;
     };
@@ -58,6 +61,75 @@ FrameBlock makeFrameBlock(const Scene& scene, const std::vector<Light>& lights,
 /// normals stay perpendicular under shear and point outside under mirrors.
 ObjectBlock makeObjectBlock(const Material& material, const glm::mat4& worldFromModel);
 
+/// The frame block on the device.
+class FrameUniforms {
+  public:
+    FrameUniforms();
+    /// Sends what has changed since the last frame.
+    void update(const FrameBlock& frame);
+    void bind() const;
+
+  private:
+    FrameBlock block_;  ///< before the buffer that is made from it
+    gl::Buffer buffer_;
+};
+
+/// A texture with its wraps and filters. Images that a driver cannot hold are an InputError.
+gl::Texture2D makeTexture(const Texture& texture);
+
+/// Attributes that vertices have besides position, normal and texture coordinates.
+struct VertexExtras {
+    bool texcoords1 = false;
+    bool colors = false;
+    /// Tangents, made from this set of texture coordinates where the mesh has none.
+    std::optional<int> tangentsFrom = {};
+};
+
+/// Meshes on the device. Those with the same extra attributes share buffers and a vertex array, so that a
+/// frame binds few, and no mesh pays for attributes that it has no use for.
+class MeshBuffers {
+  public:
+    /// Attribute locations in the vertex shaders.
+    static constexpr GLuint positionLocation = 0;
+    static constexpr GLuint normalLocation = 1;
+    static constexpr GLuint texcoordLocation = 2;
+    static constexpr GLuint texcoord1Location = 4;
+    static constexpr GLuint tangentLocation = 5;
+    static constexpr GLuint colorLocation = 6;
+
+    /// `extras` has one entry a mesh; attributes that a mesh lacks are sent as 0 where they are asked for,
+    /// and colours as white.
+    MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<VertexExtras>& extras);
+
+    /// Binds the vertex array that holds a mesh; then `draw` it with the program in use.
+    void bind(std::size_t mesh) const;
+    void draw(std::size_t mesh) const;
+    void drawInstanced(std::size_t mesh, std::size_t count) const;
+
+    std::size_t size() const { return ranges_.size(); }
+    std::uint64_t vertexCount(std::size_t mesh) const { return ranges_[mesh].vertexCount; }
+    std::uint64_t triangleCount(std::size_t mesh) const {
+        return static_cast<std::uint64_t>(ranges_[mesh].indexCount) / 3;
+    }
+    std::uint64_t bytes() const;
+
+  private:
+    struct Range {
+        std::size_t store = 0;
+        GLsizei indexCount = 0;
+        std::size_t firstIndexByte = 0;
+        GLint baseVertex = 0;
+        std::uint64_t vertexCount = 0;
+    };
+    struct Store {
+        gl::Buffer vertices;
+        gl::VertexArray vertexArray;
+    };
+    std::vector<Range> ranges_;
+    gl::Buffer indices_;
+    std::vector<Store> stores_;
+};
+
 /// A scene on the device: all meshes in one set of buffers, so that a frame binds once and then needs two
 /// calls an instance.
 class SceneBuffers {
@@ -69,9 +141,9 @@ class SceneBuffers {
     SceneBuffers(const Scene& scene, Layout layout);
 
     /// Attribute locations in the vertex shaders.
-    static constexpr GLuint positionLocation = 0;
-    static constexpr GLuint normalLocation = 1;
-    static constexpr GLuint texcoordLocation = 2;
+    static constexpr GLuint positionLocation = MeshBuffers::positionLocation;
+    static constexpr GLuint normalLocation = MeshBuffers::normalLocation;
+    static constexpr GLuint texcoordLocation = MeshBuffers::texcoordLocation;
     static constexpr GLuint centroidLocation = 3;  ///< faceted only, model space
     /// Bindings of the uniform blocks, for ProgramFiles.
     static const std::vector<gl::BlockBinding>& bindings();
@@ -92,23 +164,21 @@ class SceneBuffers {
 
   private:
     struct Draw {
-        GLsizei indexCount = 0;
-        std::size_t firstIndexByte = 0;
-        GLint baseVertex = 0;
+        std::size_t mesh = 0;
+        GLint firstVertex = 0;  ///< faceted
+        GLsizei vertexCount = 0;
         const gl::Texture2D* texture = nullptr;
     };
-    gl::Buffer vertices_;
-    gl::Buffer indices_;
-    FrameBlock frame_;  ///< before the buffer that is made from it
-    gl::Buffer frameBuffer_;
+    std::optional<MeshBuffers> shared_;
+    gl::Buffer facets_;
+    gl::VertexArray facetArray_;
+    FrameUniforms frame_;
     gl::Buffer objectBuffer_;
-    gl::VertexArray vertexArray_;
-    std::vector<gl::Texture2D> textures_;
+    std::vector<gl::Texture2D> textures_;  ///< empty where no material uses it
     std::vector<Draw> draws_;
     std::vector<ObjectBlock> objects_;
     std::uint64_t vertexCount_ = 0;
     std::uint64_t triangleCount_ = 0;
-    bool indexed_ = true;
 };
 
 }  // namespace quincunx

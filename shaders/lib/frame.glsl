@@ -7,6 +7,7 @@ struct Light {
     vec4 position;   // xyz: world space; w: 0 directional, 1 point, 2 spot
     vec4 direction;  // xyz: the way the light travels, world space, unit length; w: inner cone, radians
     vec4 radiance;   // rgb: irradiance (directional) or intensity (point, spot), over pi; w: outer cone, radians
+    vec4 reach;      // x: distance where a point or spot ends, 0 for no end
 };
 
 layout(std140) uniform FrameBlock {

@@ -132,6 +132,16 @@ QUINCUNX_INLINE LightSample sampleLight(PhongLight light, vec3 position) {
     return lightSample;
 }
 
+// The share of a light's strength that a range leaves, KHR_lights_punctual's smooth end: 1 - (distance/range)^4, at
+// least 0; 1 for range 0, which has no end.
+QUINCUNX_INLINE float rangeShare(float distance_, float range) {
+    if (!(range > 0.0f))
+        return 1.0f;
+    float share = min(distance_ / range, 1.0f);
+    share *= share;
+    return (1.0f - share) * (1.0f + share);
+}
+
 // A material's numbers at a point, textures already multiplied in.
 struct PhongMaterial {
     vec3 ambient;
