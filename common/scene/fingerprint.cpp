@@ -99,6 +99,28 @@ std::uint64_t fingerprint(const Scene& scene) {
     for (const Camera& c : scene.cameras)
         mix.values(c.worldFromCamera, c.fovYRadians, c.nearDistance, c.farDistance, c.apertureRadius,
                    c.focusDistance);
+    mix.value(scene.nodes.size());
+    for (const Node& n : scene.nodes) {
+        mix.values(n.parent, n.translation, glm::vec4(n.rotation.x, n.rotation.y, n.rotation.z, n.rotation.w),
+                   n.scale, n.matrix.has_value());
+        if (n.matrix)
+            mix.value(*n.matrix);
+    }
+    mix.value(scene.attachments.size());
+    for (const Attachment& a : scene.attachments)
+        mix.values(a.thing, a.index, a.node, a.nodeFromThing);
+    mix.value(scene.animations.size());
+    for (const Animation& a : scene.animations) {
+        mix.value(a.samplers.size());
+        for (const Animation::Sampler& s : a.samplers) {
+            mix.value(s.interpolation);
+            mix.array(s.seconds);
+            mix.array(s.values);
+        }
+        mix.value(a.channels.size());
+        for (const Animation::Channel& c : a.channels)
+            mix.values(c.sampler, c.node, c.path);
+    }
     mix.values(scene.ambientLight, scene.backgroundTop, scene.backgroundBottom);
     return std::max<std::uint64_t>(mix.state(), 1);
 }

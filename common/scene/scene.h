@@ -9,6 +9,7 @@
 
 #include "geometry/mesh.h"
 #include "image/image.h"
+#include "scene/motion.h"
 
 namespace quincunx {
 
@@ -105,6 +106,9 @@ struct Scene {
     std::vector<Instance> instances;
     std::vector<Light> lights;
     std::vector<Camera> cameras;
+    std::vector<Node> nodes;              ///< parents before children; none where nothing moves
+    std::vector<Attachment> attachments;  ///< what `pose` places; all else stays where it is
+    std::vector<Animation> animations;
     glm::vec3 ambientLight{0.1f};   ///< linear RGB, from every direction
     glm::vec3 backgroundTop{0};     ///< linear RGB at the top row, blending to …
     glm::vec3 backgroundBottom{0};  ///< … this at the bottom row
