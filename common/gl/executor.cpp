@@ -83,6 +83,8 @@ GLenum internalFormat(graph::Format format) {
             return GL_RGBA16F;
         case graph::Format::rgba32f:
             return GL_RGBA32F;
+        case graph::Format::rg16f:
+            return GL_RG16F;
         case graph::Format::r32f:
             return GL_R32F;
         case graph::Format::depth24:

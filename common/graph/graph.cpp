@@ -216,6 +216,8 @@ std::string_view formatName(Format format) {
             return "rgba16f";
         case Format::rgba32f:
             return "rgba32f";
+        case Format::rg16f:
+            return "rg16f";
         case Format::r32f:
             return "r32f";
         case Format::depth24:

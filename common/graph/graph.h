@@ -12,7 +12,7 @@
 namespace quincunx::graph {
 
 /// What a texel of a resource holds.
-enum class Format { rgba8Srgb, rgba8, rgba16f, rgba32f, r32f, depth24, depth32f, depth24Stencil8 };
+enum class Format { rgba8Srgb, rgba8, rgba16f, rgba32f, rg16f, r32f, depth24, depth32f, depth24Stencil8 };
 bool hasDepth(Format format);
 std::size_t bytesPerTexel(Format format);
 

@@ -13,8 +13,8 @@ namespace {
 constexpr int pictureUnit = 1;
 constexpr int depthUnit = 2;
 constexpr int tilesUnit = 3;
-constexpr int behindUnit = 2;
-constexpr int beforeUnit = 3;
+constexpr int behindUnit = 3;
+constexpr int beforeUnit = 4;
 constexpr float greatestRadius = 128;
 constexpr int mostTaps = 1024;
 
@@ -37,7 +37,6 @@ gl::ProgramFiles fullscreen(const std::string& fragment) {
 
 void setLens(const gl::Program& program, const Passes& passes) {
     program.set("depthMap", depthUnit);
-    program.set("tile", passes.tile);
     program.set("atNear", passes.circles.atNear);
     program.set("atFar", passes.circles.atFar);
     program.set("most", passes.most);
@@ -47,6 +46,7 @@ void drawTiles(graph::PassContext& context, const Passes& passes) {
     const gl::Program& program = context.programs().get(fullscreen("depth_of_field_tiles"));
     program.use();
     setLens(program, passes);
+    program.set("tile", passes.tile);
     context.texture(passes.depth).bind(depthUnit);
     context.drawFullscreen();
 }
@@ -57,6 +57,7 @@ void drawLayers(graph::PassContext& context, const Passes& passes) {
     setLens(program, passes);
     program.set("picture", pictureUnit);
     program.set("tiles", tilesUnit);
+    program.set("tile", passes.tile);
     program.set("taps", passes.taps);
     context.texture(passes.color).bind(pictureUnit);
     context.texture(passes.depth).bind(depthUnit);
@@ -67,10 +68,12 @@ void drawLayers(graph::PassContext& context, const Passes& passes) {
 void drawPicture(graph::PassContext& context, const Passes& passes) {
     const gl::Program& program = context.programs().get(fullscreen("depth_of_field"));
     program.use();
+    setLens(program, passes);
     program.set("picture", pictureUnit);
     program.set("behindMap", behindUnit);
     program.set("beforeMap", beforeUnit);
     context.texture(passes.color).bind(pictureUnit);
+    context.texture(passes.depth).bind(depthUnit);
     context.texture(passes.behind).bind(behindUnit);
     context.texture(passes.before).bind(beforeUnit);
     context.drawFullscreen();
@@ -125,7 +128,7 @@ graph::Resource addDepthOfFieldPasses(graph::FrameGraph& graph, graph::Resource 
                    .writes = {passes.behind, passes.before},
                    .execute = [passes](graph::PassContext& context) { drawLayers(context, passes); }});
     graph.addPass({.name = name,
-                   .reads = {color, passes.behind, passes.before},
+                   .reads = {color, depth, passes.behind, passes.before},
                    .writes = {shown},
                    .execute = [passes](graph::PassContext& context) { drawPicture(context, passes); }});
     return shown;
@@ -134,7 +137,7 @@ graph::Resource addDepthOfFieldPasses(graph::FrameGraph& graph, graph::Resource 
 std::size_t fetchesAPixel(const DepthOfFieldParams& params) {
     constexpr std::size_t ofTiles = 1;
     constexpr std::size_t ofLayers = 9 + 2;       // tiles around; the pixel itself
-    constexpr std::size_t ofPicture = 2 + 2 * 9;  // the pixel itself; the layers around
+    constexpr std::size_t ofPicture = 4 + 3 * 9;  // the pixel itself; depth and layers around
     return ofTiles + ofLayers + 4 * static_cast<std::size_t>(params.taps) + ofPicture;
 }
 

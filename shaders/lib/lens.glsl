@@ -51,9 +51,10 @@ QUINCUNX_INLINE float spiralShare(int tap, int k, int taps) {
     return (float(tap) + (float(k) + 0.5f) / 9.0f) / float(taps);
 }
 
-// How much a pixel is averaged with its cell: not at all where it is sharp, wholly from discs of 3 pixels on.
+// How much a pixel is averaged with its cell: not at all for discs of up to 2 pixels, which hold fewer texels than there
+// are taps, wholly from 4 pixels on.
 QUINCUNX_INLINE float cellShare(float radius) {
-    return clamp(0.5f * radius - 0.5f, 0.0f, 1.0f);
+    return clamp(0.5f * radius - 1.0f, 0.0f, 1.0f);
 }
 
 // The radius of the taps of a pixel that is then averaged with its cell. A disc has the variance r²/4 along each axis

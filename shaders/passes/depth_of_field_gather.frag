@@ -15,7 +15,7 @@ uniform float atFar;
 uniform float most;
 uniform int taps;       // of each layer
 
-layout(location = 0) out vec4 behind;  // a: this pixel's own circle of confusion
+layout(location = 0) out vec4 behind;  // a: the mean radius of the discs of what is before
 layout(location = 1) out vec4 before;  // times how much of the pixel it covers, which is in a
 
 float cocAt(ivec2 texel) {
@@ -43,7 +43,7 @@ void main() {
     float coc = cocAt(here);
     int k = here.x % 3 + 3 * (here.y % 3);
 
-    behind = vec4(lightAt(here), coc);
+    behind = vec4(lightAt(here), 0.0);
     if (abs(coc) > 0.5) {
         float reach = tapRadius(abs(coc));
         vec4 sum = vec4(0.0);
@@ -71,10 +71,14 @@ void main() {
             ivec2 there = clamp(ivec2(floor(gl_FragCoord.xy + away * direction)), ivec2(0), last);
             float cocThere = cocAt(there);
             float weight = isBefore(cocThere, coc) * discCover(abs(cocThere), away) * ring / discArea(abs(cocThere));
-            if (weight > 0.0)
+            if (weight > 0.0) {
                 before += weight * vec4(lightAt(there), 1.0);
+                behind.a += weight * abs(cocThere);
+            }
             direction = spiralNext(direction);
         }
+        if (before.a > 0.0)
+            behind.a /= before.a;
         before /= max(before.a, 1.0);
     }
 }
