@@ -102,8 +102,7 @@ void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options) {
     Studio studio(draw.backend);
     constexpr int defaultWidth = 640;
     constexpr int defaultHeight = 480;
-    Frame frame =
-        studio.frame(lab, draw.width.value_or(defaultWidth), draw.height.value_or(defaultHeight));
+    Frame frame = studio.frame(lab, draw.width.value_or(defaultWidth), draw.height.value_or(defaultHeight));
     frame.seed = draw.seed.value_or(frame.seed);
     if (options.graph) {
         print(studio.graph(lab, frame).graphviz());
@@ -171,7 +170,8 @@ void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options) {
     for (const gl::Executor::PassCost& pass : cost.passes) {
         passes.push_back(
             {{"name", pass.pass}, {"gl_calls", pass.glCalls}, {"milliseconds", pass.seconds * 1e3}});
-        text += fmt::format("  {:<34} {:>8.2f} ms {:>6} calls\n", pass.pass, pass.seconds * 1e3, pass.glCalls);
+        text +=
+            fmt::format("  {:<34} {:>8.2f} ms {:>6} calls\n", pass.pass, pass.seconds * 1e3, pass.glCalls);
     }
     const Json json{{"scene", scene},
                     {"lab", entry.folder()},

@@ -49,6 +49,14 @@ FrameShadows& FrameDevice::shadows() {
     return *shadows_;
 }
 
+const SceneBuffers& FrameDevice::movingMeshes(const Scene& scene) {
+    if (!movingMeshes_) {
+        movingMeshes_.emplace(scene, SceneBuffers::Layout::shared);
+        movingMeshes_->updateObjects(std::vector<ObjectBlock>(scene.instances.size()));
+    }
+    return *movingMeshes_;
+}
+
 EnvironmentMap& FrameDevice::environment(graph::PassContext& context, const Scene& scene,
                                          const Surroundings& surroundings) {
     std::vector<Light> lights;

@@ -8,6 +8,7 @@
 #include "passes/frame_shadows.h"
 #include "passes/frame_visibility.h"
 #include "passes/material.h"
+#include "passes/scene_buffers.h"
 
 namespace quincunx {
 
@@ -17,6 +18,8 @@ class FrameDevice {
     /// Meshes, textures and programs of the scene's materials.
     MaterialPass& materials(const Scene& scene);
     FrameShadows& shadows();
+    /// The meshes for drawing what moves once more.
+    const SceneBuffers& movingMeshes(const Scene& scene);
     /// The map of what surrounds the scene's mirrors, without shadows and without mirrors in mirrors: taken
     /// when it is first asked for, and again when anything that it shows has changed.
     EnvironmentMap& environment(graph::PassContext& context, const Scene& scene,
@@ -27,6 +30,7 @@ class FrameDevice {
   private:
     std::optional<MaterialPass> materials_;
     std::optional<FrameShadows> shadows_;
+    std::optional<SceneBuffers> movingMeshes_;
     std::optional<EnvironmentMap> environment_;
     std::vector<std::byte> environmentShows_;  ///< all that the map depends on
     std::size_t environmentsTaken_ = 0;

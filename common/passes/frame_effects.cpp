@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "passes/depth_of_field.h"
+#include "passes/motion_blur.h"
 
 namespace quincunx {
 namespace {
@@ -54,9 +55,8 @@ Decision castsShadows(const Visibility& visibility, const FrameView& view) {
         return {false, fmt::format("{}", fmt::join(idle, "; "))};
     if (visibility.visible() == 0)
         return {false, fmt::format("nothing is in view for {} to light", counted(ofKind, "such light"))};
-    return {false,
-            fmt::format("{} {} nothing in view", counted(ofKind, "such light"),
-                        ofKind == 1 ? "reaches" : "reach")};
+    return {false, fmt::format("{} {} nothing in view", counted(ofKind, "such light"),
+                               ofKind == 1 ? "reaches" : "reach")};
 }
 
 template <Light::Kind kind>
@@ -64,8 +64,7 @@ void addShadows(FrameBuilder& frame) {
     constexpr const char* name = kind == Light::Kind::directional ? "directional shadow map"
                                  : kind == Light::Kind::spot      ? "spot shadow map"
                                                                   : "point shadow map";
-    const ShadowAtlas atlas =
-        makeShadowAtlas(frame.visibility, frame.view.scene, kind, frame.view.settings);
+    const ShadowAtlas atlas = makeShadowAtlas(frame.visibility, frame.view.scene, kind, frame.view.settings);
     const graph::Resource map =
         frame.graph.addResource({name, graph::Format::depth32f, atlas.width(), atlas.height()});
     frame.graph.addPass({.name = name,
@@ -93,9 +92,9 @@ Decision mirrors(const Visibility& visibility, const FrameView& view) {
 }
 
 void addEnvironment(FrameBuilder& frame) {
-    frame.environment = addEnvironmentPass(
-        frame.graph, [&device = frame.device, &view = frame.view,
-                      &visibility = frame.visibility](graph::PassContext& context) {
+    frame.environment =
+        addEnvironmentPass(frame.graph, [&device = frame.device, &view = frame.view,
+                                         &visibility = frame.visibility](graph::PassContext& context) {
             device.environment(context, view.scene, visibility.surroundings);
         });
 }
@@ -129,9 +128,45 @@ Decision defocuses(const Visibility&, const FrameView& view) {
 }
 
 void addDefocus(FrameBuilder& frame) {
-    frame.picture = addDepthOfFieldPasses(frame.graph, frame.picture, frame.depth,
-                                          {.camera = frame.view.camera,
-                                           .maxRadiusPixels = frame.view.settings.largestDiscPixels});
+    frame.picture = addDepthOfFieldPasses(
+        frame.graph, frame.picture, frame.depth,
+        {.camera = frame.view.camera, .maxRadiusPixels = frame.view.settings.largestDiscPixels});
+}
+
+Decision movesWhileExposed(const Visibility& visibility, const FrameView& view) {
+    if (!(view.settings.shutterSeconds > 0))
+        return {false, "the shutter is open for no time"};
+    const std::string open = fmt::format("the shutter is open for {:.3g} s", view.settings.shutterSeconds);
+    if (!visibility.moving.empty())
+        return {true, fmt::format("{}, while {} of {} move{}{}", open, visibility.moving.size(),
+                                  counted(visibility.visible(), "visible object"),
+                                  visibility.moving.size() == 1 ? "s" : "",
+                                  visibility.cameraMoves ? ", and so does the camera" : "")};
+    if (visibility.cameraMoves)
+        return {true, fmt::format("{}, while the camera moves", open)};
+    return {false, fmt::format("{}, but nothing in view moves", open)};
+}
+
+void addMotionBlur(FrameBuilder& frame) {
+    const FrameView& view = frame.view;
+    const glm::vec3& anchor = frame.visibility.anchorWorld;
+    const auto anchored = [&](Camera camera) {
+        camera.worldFromCamera = relativeTo(anchor, camera.worldFromCamera);
+        return camera;
+    };
+    const bool moves = movesWhileExposed(frame.visibility, view).calledFor;
+    MotionBlurParams params{.camera = anchored(view.camera),
+                            .cameraOpen = anchored(moves ? view.cameraAtOpen : view.camera),
+                            .cameraClose = anchored(moves ? view.cameraAtClose : view.camera)};
+    for (const std::uint32_t i : frame.visibility.moving)
+        params.instances.push_back({i, relativeTo(anchor, view.scene.instances[i].worldFromModel),
+                                    relativeTo(anchor, view.worldFromModelAtOpen[i]),
+                                    relativeTo(anchor, view.worldFromModelAtClose[i])});
+    params.buffers = [&device = frame.device, &scene = view.scene]() -> const SceneBuffers& {
+        return device.movingMeshes(scene);
+    };
+    params.maxLengthPixels = view.settings.longestWayPixels;
+    frame.picture = addMotionBlurPasses(frame.graph, frame.picture, frame.depth, params);
 }
 
 Decision blooms(const Visibility&, const FrameView& view) {
@@ -154,9 +189,9 @@ Decision mapsTones(const Visibility&, const FrameView& view) {
     const FrameSettings& settings = view.settings;
     constexpr std::array<const char*, 3> curves = {"none", "Reinhard", "filmic"};
     if (settings.toneCurve != ToneCurve::none)
-        return {true, fmt::format("asked for: the {} curve at an exposure of {:g} stops",
-                                  curves[static_cast<std::size_t>(settings.toneCurve)],
-                                  settings.exposureStops)};
+        return {true,
+                fmt::format("asked for: the {} curve at an exposure of {:g} stops",
+                            curves[static_cast<std::size_t>(settings.toneCurve)], settings.exposureStops)};
     if (settings.exposureStops != 0)
         return {true, fmt::format("asked for: an exposure of {:g} stops", settings.exposureStops)};
     if (settings.fxaa)
@@ -192,8 +227,7 @@ Decision greys(const Visibility&, const FrameView& view) {
 }
 
 void addGrey(FrameBuilder& frame) {
-    frame.picture =
-        addFilmPass(frame.graph, frame.picture, {.greyscale = frame.view.settings.greyscale});
+    frame.picture = addFilmPass(frame.graph, frame.picture, {.greyscale = frame.view.settings.greyscale});
 }
 
 Decision smoothsEdges(const Visibility&, const FrameView& view) {
@@ -219,6 +253,7 @@ constexpr Effect table[] = {
     {"environment map", Stage::before, mirrors, addEnvironment},
     {"transparency order", Stage::shading, blends, sortBlended},
     {"depth of field", Stage::after, defocuses, addDefocus},
+    {"motion blur", Stage::after, movesWhileExposed, addMotionBlur},
     {"bloom", Stage::after, blooms, addBloom},
     {"tone map", Stage::after, mapsTones, addToneMap},
     {"blur", Stage::after, blurs, addBlur},

@@ -9,19 +9,16 @@ namespace quincunx {
 namespace {
 
 void addCopyPass(graph::FrameGraph& graph, graph::Resource from, graph::Resource to) {
-    graph.addPass({.name = "present",
-                   .reads = {from},
-                   .writes = {to},
-                   .execute = [from](graph::PassContext& context) {
-                       const gl::Program& program = context.programs().get({.label = "copy",
-                                                                            .vertex = "passes/fullscreen.vert",
-                                                                            .fragment = "passes/copy.frag"});
-                       constexpr int unit = 1;
-                       program.use();
-                       program.set("picture", unit);
-                       context.texture(from).bind(unit);
-                       context.drawFullscreen();
-                   }});
+    graph.addPass(
+        {.name = "present", .reads = {from}, .writes = {to}, .execute = [from](graph::PassContext& context) {
+             const gl::Program& program = context.programs().get(
+                 {.label = "copy", .vertex = "passes/fullscreen.vert", .fragment = "passes/copy.frag"});
+             constexpr int unit = 1;
+             program.use();
+             program.set("picture", unit);
+             context.texture(from).bind(unit);
+             context.drawFullscreen();
+         }});
 }
 
 /// The scene with its shadows and mirrors, into the bound target.
@@ -56,13 +53,13 @@ void shade(graph::PassContext& context, const FrameView& view, const Visibility&
         std::sort(blended.begin(), blended.end());
     glClear(GL_DEPTH_BUFFER_BIT);
     device.materials(view.scene)
-        .draw(context, view.scene,
-              {.frame = makeFrameBlock(view.scene, lights, visibility.clipFromAnchored,
-                                       visibility.eyeAnchored),
-               .anchorWorld = visibility.anchorWorld,
-               .visible = visibility.solid,
-               .blended = blended},
-              params);
+        .draw(
+            context, view.scene,
+            {.frame = makeFrameBlock(view.scene, lights, visibility.clipFromAnchored, visibility.eyeAnchored),
+             .anchorWorld = visibility.anchorWorld,
+             .visible = visibility.solid,
+             .blended = blended},
+            params);
     if (!maps.empty())
         device.shadows().unbind();
 }
@@ -104,8 +101,7 @@ void FrameRenderer::decide(const FrameView& view) {
     const std::span<const Effect> rows = effects();
     for (std::size_t i = 0; i < rows.size(); ++i) {
         PlannedEffect effect{rows[i].name, rows[i].calledFor(visibility, view), false, {}};
-        effect.added =
-            (effect.decision.calledFor || view.settings.forced[i]) && !view.settings.leftOut[i];
+        effect.added = (effect.decision.calledFor || view.settings.forced[i]) && !view.settings.leftOut[i];
         plan_.effects.push_back(std::move(effect));
     }
     plan_.instances = visibility.instances;
@@ -132,8 +128,7 @@ graph::Resource FrameRenderer::build(graph::FrameGraph& graph, const FrameView& 
     const Visibility& visibility = planned->visibility;
     const graph::Resource target =
         graph.addResource({"picture", view.pictureFormat, view.width, view.height});
-    FrameBuilder frame{.graph = graph, .view = planned->view, .visibility = visibility,
-                       .device = *device_};
+    FrameBuilder frame{.graph = graph, .view = planned->view, .visibility = visibility, .device = *device_};
     frame.target = target;
 
     const std::span<const Effect> rows = effects();
@@ -156,8 +151,8 @@ graph::Resource FrameRenderer::build(graph::FrameGraph& graph, const FrameView& 
     // What blends is blended in float, and rounded once; so is what later passes read.
     const bool direct =
         !frame.sortsBlended && std::none_of(plan_.effects.begin(), plan_.effects.end(), [&](const auto& e) {
-            return e.added && rows[static_cast<std::size_t>(&e - plan_.effects.data())].stage ==
-                                  Effect::Stage::after;
+            return e.added &&
+                   rows[static_cast<std::size_t>(&e - plan_.effects.data())].stage == Effect::Stage::after;
         });
     frame.picture = direct ? target : frame.addPicture("shaded");
     frame.depth = graph.addResource({"depth", graph::Format::depth32f, view.width, view.height});
@@ -166,8 +161,7 @@ graph::Resource FrameRenderer::build(graph::FrameGraph& graph, const FrameView& 
         reads.push_back(use.map);
         for (const ShadowAtlas::Tile& tile : use.atlas.tiles)
             for (const std::uint32_t i : visibility.lights[tile.light].casters)
-                plan_.shadowTriangles +=
-                    view.scene.meshes[view.scene.instances[i].mesh].triangleCount();
+                plan_.shadowTriangles += view.scene.meshes[view.scene.instances[i].mesh].triangleCount();
     }
     if (frame.environment)
         reads.push_back(*frame.environment);

@@ -28,7 +28,8 @@ struct FrameSettings {
     float greyscale = 0;        ///< 0 colour … 1 grey
     bool fxaa = false;
     float largestDiscPixels = 16;  ///< of a point that a lens shows out of focus, 0 … 128
-    float shutterSeconds = 0;  ///< how long the shutter is open; 0: nothing is blurred by its motion
+    float shutterSeconds = 0;      ///< how long the shutter is open; 0: nothing is blurred by its motion
+    float longestWayPixels = 40;   ///< that motion blurs, 0 … 256
     /// Of every light that casts; a directional light's one map is as large as wanted, a spot's and each of a
     /// point's six views half as wide.
     int shadowResolution = 2048;
@@ -40,14 +41,16 @@ struct FrameSettings {
 
 /// All that a frame depends on. What it refers to outlives the frame's run.
 struct FrameView {
-    const Scene& scene;  ///< as it is when the shutter closes
+    const Scene& scene;  ///< as the picture shows it: halfway through the exposure
     Camera camera;       ///< the same
     int width = 0;       ///< pixels, ≥ 1
     int height = 0;      ///< pixels, ≥ 1
     FrameSettings settings = {};
-    /// Placements of the instances when the shutter opened; empty: as in the scene.
+    /// Placements of the instances when the shutter opens and closes; both empty: as in the scene.
     std::span<const glm::mat4> worldFromModelAtOpen = {};
+    std::span<const glm::mat4> worldFromModelAtClose = {};
     Camera cameraAtOpen = camera;
+    Camera cameraAtClose = camera;
     graph::Format pictureFormat = graph::Format::rgba8Srgb;
 };
 

@@ -124,9 +124,7 @@ class Reach {
     double nearest(const Box& box) const {
         return glm::length(glm::max(glm::abs(box.centre - position_) - box.half, glm::dvec3(0)));
     }
-    double farthest(const Box& box) const {
-        return glm::length(glm::abs(box.centre - position_) + box.half);
-    }
+    double farthest(const Box& box) const { return glm::length(glm::abs(box.centre - position_) + box.half); }
 
   private:
     const Light& light_;
@@ -264,8 +262,8 @@ SceneBounds::SceneBounds(const Scene& scene) {
         if (!entry.empty) {
             entry.centre = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
             entry.half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
-            entry.flat = bounds.min.x == bounds.max.x || bounds.min.y == bounds.max.y ||
-                         bounds.min.z == bounds.max.z;
+            entry.flat =
+                bounds.min.x == bounds.max.x || bounds.min.y == bounds.max.y || bounds.min.z == bounds.max.z;
         }
         meshes_.push_back(entry);
     }
@@ -274,7 +272,9 @@ SceneBounds::SceneBounds(const Scene& scene) {
 Visibility SceneBounds::look(const FrameView& view) const {
     const Scene& scene = view.scene;
     QX_CHECK_EQ(scene.meshes.size(), meshes_.size());
-    if (!view.worldFromModelAtOpen.empty())
+    QX_CHECK_EQ(view.worldFromModelAtOpen.size(), view.worldFromModelAtClose.size());
+    const bool posed = !view.worldFromModelAtOpen.empty();
+    if (posed)
         QX_CHECK_EQ(view.worldFromModelAtOpen.size(), scene.instances.size());
     const float aspect = static_cast<float>(view.width) / static_cast<float>(view.height);
     Visibility result;
@@ -284,9 +284,7 @@ Visibility SceneBounds::look(const FrameView& view) const {
     result.eyeAnchored = glm::vec3(relativeTo(anchor, view.camera.worldFromCamera)[3]);
     result.clipFromAnchored = clipFromAnchored(view.camera, aspect, anchor);
     const bool exposes = view.settings.shutterSeconds > 0;
-    result.cameraMoved = exposes && !isSame(view.camera, view.cameraAtOpen);
-    result.clipFromAnchoredAtOpen =
-        result.cameraMoved ? clipFromAnchored(view.cameraAtOpen, aspect, anchor) : result.clipFromAnchored;
+    result.cameraMoves = exposes && !isSame(view.cameraAtOpen, view.cameraAtClose);
 
     struct Answer {
         bool blends;
@@ -295,10 +293,10 @@ Visibility SceneBounds::look(const FrameView& view) const {
     std::vector<Answer> materials;
     materials.reserve(scene.materials.size());
     for (const Material& material : scene.materials)
-        materials.push_back({material.alphaMode == Material::AlphaMode::blend, mirrorsSurroundings(material)});
+        materials.push_back(
+            {material.alphaMode == Material::AlphaMode::blend, mirrorsSurroundings(material)});
 
     const ViewPlanes planes(result.clipFromAnchored);
-    const ViewPlanes planesAtOpen(result.clipFromAnchoredAtOpen);
     const std::size_t count = scene.instances.size();
     Placed placed{std::vector<Box>(count), std::vector<bool>(count), std::vector<bool>(count),
                   std::vector<bool>(count)};
@@ -321,13 +319,6 @@ Visibility SceneBounds::look(const FrameView& view) const {
         result.surroundings.mirrors += material.mirrors ? 1 : 0;
         const bool visible = planes.mayMeet(box);
         const auto index = static_cast<std::uint32_t>(i);
-        if (exposes && !view.worldFromModelAtOpen.empty() &&
-            !isSame(view.worldFromModelAtOpen[i], instance.worldFromModel)) {
-            const bool wasVisible =
-                visible || planesAtOpen.mayMeet(boxOf(relativeTo(anchor, view.worldFromModelAtOpen[i]),
-                                                      mesh.centre, mesh.half));
-            result.moved += wasVisible ? 1 : 0;
-        }
         if (!visible)
             continue;
         if (material.blends) {
@@ -336,6 +327,8 @@ Visibility SceneBounds::look(const FrameView& view) const {
             distances.push_back(glm::dot(towards, towards));
         } else {
             result.solid.push_back(index);
+            if (exposes && posed && !isSame(view.worldFromModelAtOpen[i], view.worldFromModelAtClose[i]))
+                result.moving.push_back(index);
         }
         result.surroundings.mirrorsInView += material.mirrors ? 1 : 0;
         receivers.push_back(index);
@@ -359,9 +352,9 @@ Visibility SceneBounds::look(const FrameView& view) const {
         reaches.emplace_back(light, anchor);
         const glm::vec3 radiance = light.color * light.intensity;
         const bool any =
-            radiance != glm::vec3(0) &&
-            std::any_of(receivers.begin(), receivers.end(),
-                        [&](std::uint32_t i) { return reaches.back().mayLight(placed.boxes[i]); });
+            radiance != glm::vec3(0) && std::any_of(receivers.begin(), receivers.end(), [&](std::uint32_t i) {
+                return reaches.back().mayLight(placed.boxes[i]);
+            });
         if (any)
             candidates.push_back({l, strengthAt(light, reaches.back(), all)});
         else
@@ -447,7 +440,7 @@ glm::vec3 anchorOf(const Camera& camera) {
     int exponent = 0;
     if (!isFinite(eye) || !(camera.nearDistance > 0) || !std::isfinite(camera.nearDistance))
         return glm::vec3(0);
-    std::frexp(8192.0 * static_cast<double>(camera.nearDistance), &exponent);
+    std::frexp(512.0 * static_cast<double>(camera.nearDistance), &exponent);
     const double cell = std::ldexp(1.0, exponent);
     const glm::dvec3 anchor = glm::round(glm::dvec3(eye) / cell) * cell;
     // Multiples of a power of two near a float have no more digits than it; the nearest beyond the largest

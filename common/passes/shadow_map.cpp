@@ -265,8 +265,7 @@ ShadowViews fitShadowViews(const Light& light, const ShadowExtent& extent, const
         return none;
     }
     const bool open = light.kind != Light::Kind::spot || light.outerConeRadians > 0;
-    if (!open || !isFinite(light.position) ||
-        !std::isfinite(reachOf(light.position, extent.casters).second))
+    if (!open || !isFinite(light.position) || !std::isfinite(reachOf(light.position, extent.casters).second))
         return none;
     return none.kind == ShadowViews::Kind::single ? spotView(light, extent.casters)
                                                   : cubeViews(light, extent.casters, params);

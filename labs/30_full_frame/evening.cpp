@@ -80,12 +80,15 @@ Scene makeEvening(int segments) {
     for (Material& material : scene.materials) {
         material.roughness = 0.75f;
         if (material.name == "gold")
-            material = makeMaterial("gold", {.diffuse = {0.56f, 0.31f, 0.06f}, .specular = {1.0f, 0.72f, 0.32f},
-                                             .metallic = 1, .roughness = 0.22f});
+            material = makeMaterial("gold", {.diffuse = {0.56f, 0.31f, 0.06f},
+                                             .specular = {1.0f, 0.72f, 0.32f},
+                                             .metallic = 1,
+                                             .roughness = 0.22f});
     }
     add(scene, "chrome ball", Sphere{0.8}, segments * 2,
-        makeMaterial("chrome", {.diffuse = glm::vec3(0.05f), .specular = glm::vec3(0.93f), .metallic = 1,
-                                .roughness = 0.03f}),
+        makeMaterial(
+            "chrome",
+            {.diffuse = glm::vec3(0.05f), .specular = glm::vec3(0.93f), .metallic = 1, .roughness = 0.03f}),
         at({3.1f, 0.8f, 5.2f}));
     const glm::vec3 tints[] = {{0.75f, 0.12f, 0.16f}, {0.14f, 0.5f, 0.3f}, {0.16f, 0.3f, 0.8f}};
     for (int i = 0; i < 3; ++i)
@@ -131,8 +134,9 @@ Scene makeEvening(int segments) {
 
 void poseEvening(Scene& scene, double seconds) {
     for (int i = 0; i < planetCount; ++i) {
-        const auto found = std::find_if(scene.instances.begin(), scene.instances.end(),
-                                        [&](const Instance& instance) { return instance.name == planetName(i); });
+        const auto found =
+            std::find_if(scene.instances.begin(), scene.instances.end(),
+                         [&](const Instance& instance) { return instance.name == planetName(i); });
         if (found != scene.instances.end())
             found->worldFromModel = planetPlacement(i, seconds);
     }

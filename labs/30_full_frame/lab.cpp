@@ -73,8 +73,8 @@ bool FullFrameLab::advance(double seconds, const HeldSeconds& /*held*/) {
 std::vector<EffectReport> FullFrameLab::effects() const {
     std::vector<EffectReport> reports;
     for (const PlannedEffect& effect : renderer_.plan().effects)
-        reports.push_back({std::string(effect.name), effect.decision.calledFor, effect.decision.reason,
-                           effect.passes});
+        reports.push_back(
+            {std::string(effect.name), effect.decision.calledFor, effect.decision.reason, effect.passes});
     return reports;
 }
 
@@ -96,15 +96,21 @@ void FullFrameLab::placeAt(double seconds) {
     builtIn_ ? poseEvening(scene_, seconds) : pose(scene_, seconds);
 }
 
+std::vector<glm::mat4> FullFrameLab::placementsAt(double seconds) {
+    placeAt(seconds);
+    std::vector<glm::mat4> placements;
+    placements.reserve(scene_.instances.size());
+    for (const Instance& instance : scene_.instances)
+        placements.push_back(instance.worldFromModel);
+    return placements;
+}
+
 graph::Resource FullFrameLab::build(graph::FrameGraph& graph, const Frame& frame) {
     prepareScene();
     const double seconds = static_cast<double>(time);
-    atOpen_.clear();
-    if (shutter > 0) {
-        placeAt(seconds - static_cast<double>(shutter));
-        for (const Instance& instance : scene_.instances)
-            atOpen_.push_back(instance.worldFromModel);
-    }
+    const double halfOpen = 0.5 * static_cast<double>(shutter);
+    atOpen_ = shutter > 0 ? placementsAt(seconds - halfOpen) : std::vector<glm::mat4>{};
+    atClose_ = shutter > 0 ? placementsAt(seconds + halfOpen) : std::vector<glm::mat4>{};
     placeAt(seconds);
 
     FrameView view{.scene = scene_,
@@ -112,18 +118,21 @@ graph::Resource FullFrameLab::build(graph::FrameGraph& graph, const Frame& frame
                    .width = frame.width,
                    .height = frame.height,
                    .worldFromModelAtOpen = atOpen_,
+                   .worldFromModelAtClose = atClose_,
                    .pictureFormat = frame.pictureFormat};
     if (aperture > 0)
         view.camera.apertureRadius = aperture;
     if (focus > 0)
         view.camera.focusDistance = focus;
     view.cameraAtOpen = view.camera;
+    view.cameraAtClose = view.camera;
     FrameSettings& settings = view.settings;
     settings.exposureStops = exposure;
     settings.toneCurve = toneCurve.as<ToneCurve>();
     settings.bloomStrength = bloom;
     settings.bloomSigmaPixels = 0.0125f * static_cast<float>(frame.height);
     settings.largestDiscPixels = 0.04f * static_cast<float>(frame.height);
+    settings.longestWayPixels = 0.08f * static_cast<float>(frame.height);
     settings.blurSigmaPixels = blur;
     settings.greyscale = greyscale;
     settings.fxaa = fxaa;
@@ -167,14 +176,16 @@ graph::Resource FullFrameLab::addPlanPass(graph::FrameGraph& graph, const Frame&
              const float line = std::clamp(size.y / 40, 8.0f, 20.0f);
              const auto rows = static_cast<float>(plan.effects.size() + 1);
              labels_.plate({0, 0}, {size.x, line * (rows + 1)}, {0, 0, 0, 0.55f});
-             const auto write = [&](const std::string& words, float x, std::size_t row, const glm::vec4& color) {
+             const auto write = [&](const std::string& words, float x, std::size_t row,
+                                    const glm::vec4& color) {
                  labels_.text(words, {x, line * (0.5f + static_cast<float>(row))},
                               {.sizePixels = line, .color = color});
              };
              for (std::size_t i = 0; i < plan.effects.size(); ++i) {
                  const PlannedEffect& effect = plan.effects[i];
                  const bool in = effect.decision.calledFor;
-                 const glm::vec4 color = in ? glm::vec4(1, 0.75f, 0.3f, 1) : glm::vec4(0.35f, 0.35f, 0.35f, 1);
+                 const glm::vec4 color =
+                     in ? glm::vec4(1, 0.75f, 0.3f, 1) : glm::vec4(0.35f, 0.35f, 0.35f, 1);
                  write(in ? "●" : "○", 0.5f * line, i, color);
                  write(std::string(effect.name), 1.5f * line, i, color);
                  write(effect.decision.reason, 11 * line, i, color);

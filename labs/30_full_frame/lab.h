@@ -42,15 +42,15 @@ class FullFrameLab final : public Lab {
                          {"none", "reinhard", "filmic"},
                          2,
                          "How light of any strength is brought onto the screen"};
-    FloatKnob bloom{knobs(), "bloom", 0.35f, {0, 4}, "", "Glow around what is brighter than the screen shows"};
+    FloatKnob bloom{knobs(), "bloom", 0.35f,
+                    {0, 4},  "",      "Glow around what is brighter than the screen shows"};
     FloatKnob aperture{knobs(), "aperture", 0, {0, 1}, "", "Radius of the lens; 0: the camera's own"};
-    FloatKnob focus{knobs(),         "focus", 0,
-                    {0, 1e6f, false}, "",      "Distance that is sharp; 0: the camera's own"};
+    FloatKnob focus{knobs(), "focus", 0, {0, 1e6f, false}, "", "Distance that is sharp; 0: the camera's own"};
     FloatKnob shutter{knobs(), "shutter", 0, {0, 1}, "s", "How long the shutter is open"};
     FloatKnob blur{knobs(), "blur", 0, {0, 40}, "pixels", "Deviation of a Gaussian over the picture"};
     FloatKnob greyscale{knobs(), "greyscale", 0, {0, 1}, "", "0 colour, 1 grey"};
     BoolKnob fxaa{knobs(), "fxaa", true, "Smooth the steps of edges"};
-    IntKnob shadowResolution{knobs(),         "shadow-resolution", 2048,
+    IntKnob shadowResolution{knobs(),          "shadow-resolution", 2048,
                              {16, 8192, true}, "texels a side",     "Of a sun's map; other lights get half"};
     IntKnob tessellation{knobs(),        "tessellation", 32,
                          {3, 256, true}, "segments",     "Triangles around each solid of the built-in scene"};
@@ -61,6 +61,7 @@ class FullFrameLab final : public Lab {
   private:
     void prepareScene();
     void placeAt(double seconds);
+    std::vector<glm::mat4> placementsAt(double seconds);
     graph::Resource addPlanPass(graph::FrameGraph& graph, const Frame& frame, graph::Resource picture);
 
     Scene scene_;
@@ -68,7 +69,8 @@ class FullFrameLab final : public Lab {
     int builtTessellation_ = 0;
     FrameRenderer renderer_;
     EffectSet leftOut_;
-    std::vector<glm::mat4> atOpen_;  ///< placements when the shutter opens
+    std::vector<glm::mat4> atOpen_;   ///< placements when the shutter opens
+    std::vector<glm::mat4> atClose_;  ///< … and when it closes
     Labels labels_;
     std::map<std::string, std::uint64_t> counters_;
 };

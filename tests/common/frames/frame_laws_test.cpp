@@ -85,10 +85,11 @@ TEST_F(FrameLaws, ForcingEveryEffectChangesNoBitOfTheBuiltInScenes) {
     }
 }
 
-
 /// Scenes of a few objects of every kind, with lights and cameras of every kind, near the origin or far away.
 struct RandomScene {
     Scene scene;
+    std::vector<glm::mat4> open;
+    std::vector<glm::mat4> close;
     FrameView view;
 
     RandomScene(std::uint64_t seed, const std::vector<Mesh>& meshes);
@@ -109,9 +110,9 @@ glm::vec3 randomDirection(Random& random) {
 
 Material randomMaterial(Random& random) {
     const glm::vec3 color(random.uniform(), random.uniform(), random.uniform());
-    Material material = makeMaterial("m", {.diffuse = color,
-                                           .metallic = random.below(3) == 0 ? 1.0f : 0.0f,
-                                           .roughness = random.uniform()});
+    Material material = makeMaterial(
+        "m",
+        {.diffuse = color, .metallic = random.below(3) == 0 ? 1.0f : 0.0f, .roughness = random.uniform()});
     material.baseColor.a = random.uniform();
     material.alphaMode = static_cast<Material::AlphaMode>(random.below(3));
     material.alphaCutoff = random.uniform();
@@ -168,7 +169,8 @@ RandomScene::RandomScene(std::uint64_t seed, const std::vector<Mesh>& meshes)
         placement[1] = glm::vec4(size * other, 0);
         placement[2] = glm::vec4((random.below(4) == 0 ? -size : size) * glm::cross(axis, other), 0);
         placement[3] = glm::vec4(origin + randomPoint(random, 4), 1);
-        scene.instances.push_back({"object", random.below(meshes.size()), random.below(materials), placement});
+        scene.instances.push_back(
+            {"object", random.below(meshes.size()), random.below(materials), placement});
     }
     const std::uint64_t lights = random.below(5);
     for (std::uint64_t i = 0; i < lights; ++i)
@@ -182,8 +184,22 @@ RandomScene::RandomScene(std::uint64_t seed, const std::vector<Mesh>& meshes)
     camera.fovYRadians = static_cast<float>(random.uniform(0.2, 2.5));
     camera.nearDistance = random.below(4) == 0 ? 1e-3f : 0.1f;
     camera.farDistance = random.below(4) == 0 ? std::numeric_limits<float>::infinity() : 100;
-    view.camera = camera;
-    view.cameraAtOpen = camera;
+    if (random.below(4) == 0) {
+        camera.apertureRadius = 0.1f;
+        camera.focusDistance = 4;
+    }
+    view.camera = view.cameraAtOpen = view.cameraAtClose = camera;
+    if (random.below(3) == 0)
+        view.cameraAtOpen.worldFromCamera =
+            lookAt(eye + randomPoint(random, 0.2f), eye + randomDirection(random), {0, 1, 0});
+    for (const Instance& instance : scene.instances) {
+        open.push_back(instance.worldFromModel);
+        close.push_back(instance.worldFromModel);
+        if (random.below(4) == 0)
+            close.back()[3].x += 0.3f;
+    }
+    view.worldFromModelAtOpen = open;
+    view.worldFromModelAtClose = close;
     view.settings = randomSettings(random);
 }
 
@@ -239,7 +255,7 @@ Scene ballOnAFloor() {
 FrameView lookingAtTheBall(const Scene& scene) {
     FrameView view{.scene = scene, .camera = {}, .width = 48, .height = 32};
     view.camera.worldFromCamera = lookAt({0, 0, 5}, {0, 0, 0}, {0, 1, 0});
-    view.cameraAtOpen = view.camera;
+    view.cameraAtOpen = view.cameraAtClose = view.camera;
     view.settings.shadowResolution = 64;
     return view;
 }
@@ -291,8 +307,8 @@ TEST_F(EffectsThatAreNotCalledFor, CostNothingWhenTheirCauseIsOutOfView) {
     EXPECT_EQ(demandOf(lookingAtTheBall(withGlass)), demand);
 
     Scene withMirror = plain;
-    withMirror.materials.push_back(makeMaterial("mirror", {.diffuse = glm::vec3(0.9f),
-                                                           .metallic = 1, .roughness = 0}));
+    withMirror.materials.push_back(
+        makeMaterial("mirror", {.diffuse = glm::vec3(0.9f), .metallic = 1, .roughness = 0}));
     glm::mat4 aside = behindTheCamera();
     aside[3].x = 50;  // where it shades nothing that is seen
     withMirror.instances.push_back({"mirror", 0, 1, aside});
@@ -325,9 +341,9 @@ TEST_F(EffectsThatAreNotCalledFor, AddNothingToTheBarestFrame) {
     for (const auto& [name, count] : demand.calls) {
         if (name.starts_with("glDraw") && name != "glDrawBuffers")
             draws += count;
-        EXPECT_THAT(name, testing::Not(testing::AnyOf(testing::StartsWith("glGen"),
-                                                      testing::StartsWith("glTexImage"),
-                                                      testing::StartsWith("glCompile"))));
+        EXPECT_THAT(
+            name, testing::Not(testing::AnyOf(testing::StartsWith("glGen"), testing::StartsWith("glTexImage"),
+                                              testing::StartsWith("glCompile"))));
     }
     EXPECT_EQ(draws, 2);
 }
@@ -383,8 +399,8 @@ TEST(CalledFor, PostProcessingNeedsToBeAskedFor) {
     FrameView view = lookingAtTheBall(scene);
     for (const char* effect : {"bloom", "tone map", "blur", "greyscale", "fxaa"})
         EXPECT_FALSE(decisionOf(view, effect).calledFor) << effect;
-    view.settings = {.exposureStops = 1, .bloomStrength = 0.5f, .blurSigmaPixels = 2, .greyscale = 1,
-                     .fxaa = true};
+    view.settings = {
+        .exposureStops = 1, .bloomStrength = 0.5f, .blurSigmaPixels = 2, .greyscale = 1, .fxaa = true};
     for (const char* effect : {"bloom", "tone map", "blur", "greyscale", "fxaa"})
         EXPECT_TRUE(decisionOf(view, effect).calledFor) << effect;
 }
@@ -395,8 +411,8 @@ TEST_F(FrameLaws, EveryEffectThatIsCalledForChangesThePicture) {
     scene.materials.push_back(scene.materials[0]);
     scene.materials.back().alphaMode = Material::AlphaMode::blend;
     scene.materials.back().baseColor = {0.9f, 0.1f, 0.1f, 0.5f};
-    scene.materials.push_back(makeMaterial("mirror", {.diffuse = glm::vec3(0.9f),
-                                                      .metallic = 1, .roughness = 0}));
+    scene.materials.push_back(
+        makeMaterial("mirror", {.diffuse = glm::vec3(0.9f), .metallic = 1, .roughness = 0}));
     glm::mat4 floor(4);
     floor[3] = {0, -1, 0, 1};
     scene.instances.push_back({"floor", 3, 0, floor});
@@ -425,6 +441,7 @@ TEST_F(FrameLaws, EveryEffectThatIsCalledForChangesThePicture) {
     view.camera.worldFromCamera = lookAt({0, 2, 6}, {0, 0, 0}, {0, 1, 0});
     view.camera.apertureRadius = 0.2f;
     view.camera.focusDistance = 3;
+    view.cameraAtClose = view.camera;
     view.cameraAtOpen = view.camera;
     view.cameraAtOpen.worldFromCamera = lookAt({0.5f, 2, 6}, {0, 0, 0}, {0, 1, 0});
     view.settings = {.exposureStops = 1,

@@ -26,9 +26,10 @@ Scene boxesAround(Random& random, const glm::vec3& origin, double reach, int cou
     for (int i = 0; i < count; ++i) {
         const auto size = static_cast<float>(std::pow(10.0, random.uniform(-4, 0)));
         glm::mat4 placement(size);
-        placement[3] = glm::vec4(origin + glm::vec3(random.uniform(-reach, reach), random.uniform(-reach, reach),
-                                                    random.uniform(-reach, reach)),
-                                 1);
+        placement[3] =
+            glm::vec4(origin + glm::vec3(random.uniform(-reach, reach), random.uniform(-reach, reach),
+                                         random.uniform(-reach, reach)),
+                      1);
         scene.instances.push_back({"box", 0, 0, placement});
     }
     return scene;
@@ -153,10 +154,10 @@ TEST(FrameVisibility, KeepsEveryCasterThatShadesWhatIsSeen) {
         scene.instances.push_back({"sheet", 0, 0, sheet});
         const auto share = static_cast<float>(random.uniform(0.1, 0.9));
         glm::mat4 between(0.05f);
-        between[3] = glm::vec4(light.kind == Light::Kind::directional
-                                   ? seen - 10.0f * share * light.direction
-                                   : seen + share * (light.position - seen),
-                               1);
+        between[3] =
+            glm::vec4(light.kind == Light::Kind::directional ? seen - 10.0f * share * light.direction
+                                                             : seen + share * (light.position - seen),
+                      1);
         scene.instances.push_back({"between", 0, 0, between});
         Camera camera;
         camera.worldFromCamera = lookAt(seen + glm::vec3(0, 0, 1), seen, {0, 1, 0});
@@ -192,7 +193,7 @@ TEST(FrameVisibility, DrawsRelativeToAPointNearTheEye) {
     EXPECT_EQ(anchorOf(camera), glm::vec3(0));
     camera.worldFromCamera[3] = {1e6f, -3e6f, 12, 1};
     const glm::vec3 anchor = anchorOf(camera);
-    EXPECT_LE(glm::length(glm::dvec3(anchor) - glm::dvec3(1e6, -3e6, 12)), 1024 * 1.8);
+    EXPECT_LE(glm::length(glm::dvec3(anchor) - glm::dvec3(1e6, -3e6, 12)), 32 * 1.8);
     glm::mat4 placement(1);
     placement[3] = {1e6f + 3, -3e6f + 0.25f, 5, 1};
     const glm::mat4 relative = relativeTo(anchor, placement);
