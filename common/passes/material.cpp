@@ -290,8 +290,9 @@ void MaterialPass::regroup(const Scene& scene) {
         order[g] = g;
     const auto key = [&](std::uint32_t g) {
         const Surface& surface = surfaces_[groups_[g].surface];
-        return std::tuple(stageOf(surface.features), surface.features.bits, groups_[g].surface,
-                          groups_[g].mesh);
+        return std::tuple(stageOf(surface.features),
+                          surface.features.without(MaterialFeature::environment).bits, surface.features.bits,
+                          groups_[g].surface, groups_[g].mesh);
     };
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
     std::vector<Group> ordered(groups_.size());
@@ -457,9 +458,13 @@ void MaterialPass::draw(graph::PassContext& context, const Scene& scene, const M
     for (std::size_t b = 0; b < batches.batches.size(); ++b) {
         const Batch& batch = batches.batches[b];
         const Surface& surface = surfaces_[batch.surface];
-        if (program != surface.features) {
-            program = surface.features;
-            context.programs().get(materialProgram(surface.features, params)).use();
+        // Without an environment map, what would mirror it is drawn like the rest.
+        const MaterialFeatures used = params.environmentFragment.empty()
+                                          ? surface.features.without(MaterialFeature::environment)
+                                          : surface.features;
+        if (program != used) {
+            program = used;
+            context.programs().get(materialProgram(used, params)).use();
             ++counts_.programs;
         }
         if (bound != &surface) {

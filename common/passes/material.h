@@ -44,6 +44,9 @@ struct MaterialFeatures {
     constexpr MaterialFeatures with(MaterialFeature feature, bool on = true) const {
         return {on ? bits | (1u << static_cast<std::uint32_t>(feature)) : bits};
     }
+    constexpr MaterialFeatures without(MaterialFeature feature) const {
+        return {bits & ~(1u << static_cast<std::uint32_t>(feature))};
+    }
     friend constexpr MaterialFeatures operator|(MaterialFeatures a, MaterialFeatures b) {
         return {a.bits | b.bits};
     }
