@@ -43,8 +43,8 @@ QUINCUNX_INLINE vec3 cubeDirection(int face, vec2 st) {
 }
 
 // Where a direction meets the cube: (s, t, face); the earlier axis where two components are as long. Each of s and t
-// lies in [0, 1] and is off by at most 1.5 eps: one rounding of the quotient, halved, and one of the sum. Where there
-// is no direction (scaledDirection), the middle of the first face. Held by CubePlace.*.
+// lies in [0, 1] and is off by at most 0.75 eps: half a rounding of a quotient up to 1, and one of a sum up to 1. Where
+// there is no direction (scaledDirection), the middle of the first face. Held by the stress of lab 18.
 QUINCUNX_INLINE vec3 cubePlace(vec3 direction) {
     vec3 d = scaledDirection(direction);
     vec3 a = abs(d);
@@ -59,8 +59,8 @@ QUINCUNX_INLINE vec3 cubePlace(vec3 direction) {
 }
 
 // Where a direction lies in a panorama (equirectangular image): u in [0, 1] from −x over −z, +x and +z to −x again, v from
-// 0 at +y to 1 at −y. Both to 8 eps where atan is good to 4 ulp; acos of a normalized y would lose half of all digits
-// about the poles. At the poles u is ½; no direction: the middle of the image. Held by Panorama.*.
+// 0 at +y to 1 at −y. Both to 3 eps where atan is good to 1 ulp; acos of a normalized y would lose half of all digits
+// about the poles. At the poles u is ½; no direction: the middle of the image. Held by the stress of lab 18.
 QUINCUNX_INLINE vec2 panoramaPlace(vec3 direction) {
     vec3 d = scaledDirection(direction);
     float level = sqrt(d.x * d.x + d.z * d.z);
@@ -98,7 +98,7 @@ QUINCUNX_INLINE float distanceToWalls(vec3 position, vec3 d, vec3 boxMin, vec3 b
 //
 // A position outside is first moved to the nearest point of the box. The point met is put on its wall, and kept
 // inside the box, after rounding; so the result is off by at most 8 eps of the box's size (its diagonal and its
-// distance from the origin). No direction gives (0,0,0). Held by BoxProjection.*.
+// distance from the origin). No direction gives (0,0,0). Held by the stress of lab 18.
 QUINCUNX_INLINE vec3 boxProjected(vec3 positionWorld, vec3 direction, vec3 boxMin, vec3 boxMax, vec3 mapWorld) {
     vec3 d = scaledDirection(direction);
     if (d == vec3(0.0f))
@@ -125,20 +125,24 @@ QUINCUNX_INLINE vec2 hammersley(uint i, uint n) {
 }
 
 // The normals of a rough surface, GGX with alpha = roughness²: their density D over solid angle times the cosine
-// integrates to 1 (Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007, eq. 33).
+// integrates to 1 (Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007, eq. 33). Alpha
+// below 1e-6 counts as that. Relative error at most 16 eps: 1 − cosine² is a product, which keeps its digits near 1.
+// Held by the stress of lab 18.
 QUINCUNX_INLINE float ggxDensity(float cosine, float alpha) {
-    float a2 = alpha * alpha;
-    float c2 = cosine * cosine;
-    float root = (1.0f - c2) + a2 * c2;
-    return 0.3183098861837907f * a2 / (root * root);
+    float a2 = max(alpha * alpha, 1e-12f);
+    float root = (1.0f - cosine) * (1.0f + cosine) + a2 * (cosine * cosine);
+    return 0.3183098861837907f * (a2 / root) / root;
 }
 
-// A normal drawn from D times the cosine by two numbers in [0, 1), about +z (eq. 35, 36).
+// A normal drawn from D times the cosine by two numbers, u.x in [0, 1), about +z (eq. 35, 36). Sine and cosine are each
+// within 4 eps of themselves, where one taken from the other would lose its digits. Held by the stress of lab 18.
 QUINCUNX_INLINE vec3 ggxNormal(vec2 u, float alpha) {
     float around = 6.283185307179586f * u.y;
-    float cosine2 = (1.0f - u.x) / (1.0f + (alpha * alpha - 1.0f) * u.x);
-    float sine = sqrt(max(0.0f, 1.0f - cosine2));
-    return vec3(sine * cos(around), sine * sin(around), sqrt(cosine2));
+    float opposite = alpha * alpha * u.x;
+    float adjacent = 1.0f - u.x;
+    float both = adjacent + opposite;
+    float sine = sqrt(opposite / both);
+    return vec3(sine * cos(around), sine * sin(around), sqrt(adjacent / both));
 }
 
 // The angle of a cube texel as seen from the centre, in steradians, for a texel whose middle is (x, y) of the face's
@@ -153,9 +157,11 @@ QUINCUNX_INLINE float cubeTexelAngle(vec2 xy, float width) {
 // the middle itself it is the face's own; a pattern that four quarter turns leave as it is cannot tell.
 QUINCUNX_INLINE mat3 cubeTexelFrame(int face, vec2 st) {
     mat3 axes = cubeFaceAxes(face);
-    vec3 n = normalize(cubeDirection(face, st));
+    vec3 n = cubeDirection(face, st);
+    n = n / sqrt(dot(n, n));
     vec2 offset = 2.0f * st - 1.0f;
     vec3 towards = -offset.x * axes[0] - offset.y * axes[1];
-    vec3 tangent = offset == vec2(0.0f) ? axes[0] : normalize(towards - dot(towards, n) * n);
+    vec3 tangent = offset == vec2(0.0f) ? axes[0] : towards - dot(towards, n) * n;
+    tangent = tangent / sqrt(dot(tangent, tangent));
     return mat3(tangent, cross(n, tangent), n);
 }

@@ -426,6 +426,70 @@ TEST_P(ObjectsTest, SecondsCoverTheWork) {
     EXPECT_GE(secondsOf([] {}), 0.0);
 }
 
+TEST_P(ObjectsTest, CubesHoldWhatIsUploadedToEachFaceAndLevel) {
+    TextureCube cube("cube", GL_RGBA32F, 5, TextureCube::fullLevels(5));
+    ASSERT_EQ(cube.levels(), 3);
+    EXPECT_EQ(cube.texelCount(), 6u * (25 + 4 + 1));
+    EXPECT_EQ(labelOf(GL_TEXTURE, cube.get()), "cube");
+    const auto value = [&](int face, int level) { return static_cast<float>(10 * face + level); };
+    for (int face = 0; face < TextureCube::faceCount; ++face)
+        for (int level = 0; level < cube.levels(); ++level) {
+            Image image(cube.sizeOf(level), cube.sizeOf(level), 4, Encoding::linear);
+            std::fill(image.data.begin(), image.data.end(), value(face, level));
+            image.data[0] = -1;
+            cube.upload(face, level, image);
+        }
+    for (int face = 0; face < TextureCube::faceCount; ++face)
+        for (int level = 0; level < cube.levels(); ++level) {
+            const Image image = readPixels(cube, face, level);
+            EXPECT_EQ(image.data[0], -1);
+            EXPECT_EQ(image.data[1], value(face, level));
+        }
+}
+
+TEST_P(ObjectsTest, AFramebufferDrawsIntoOneFaceAndLevelOfACube) {
+    TextureCube cube("cube", GL_RGBA32F, 8, 2);
+    const Texture2D depth("depth", GL_DEPTH_COMPONENT32F, 4, 4);
+    const Framebuffer framebuffer("face", cube, 3, 1, &depth);
+    EXPECT_EQ(framebuffer.width(), 4);
+    framebuffer.bind();
+    glClearColor(1, 2, 3, 4);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    EXPECT_THAT(readPixels(cube, 3, 1).data, testing::Contains(3.0f));
+    TextureCube copy("copy", GL_RGBA32F, 4, 1);
+    copy.copyFrom(framebuffer, 5, 0);
+    EXPECT_EQ(readPixels(copy, 5, 0).data, readPixels(cube, 3, 1).data);
+    const Texture2D large("large", GL_DEPTH_COMPONENT32F, 8, 8);
+    EXPECT_THAT(messageOf<GlError>([&] { Framebuffer("odd", cube, 3, 1, &large); }),
+                AllOf(HasSubstr("odd"), HasSubstr("face 3 level 1"), HasSubstr("8×8")));
+}
+
+TEST_P(ObjectsTest, CubesOfImpossibleSizesSayWhatThisDriverTakes) {
+    for (const int size : {0, -4, 1 << 20})
+        EXPECT_THAT(messageOf<InputError>([&] { TextureCube("cube", GL_RGBA8, size, 1); }),
+                    AllOf(HasSubstr("cube"), HasSubstr(std::to_string(size))));
+    EXPECT_EQ(TextureCube::fullLevels(1), 1);
+    EXPECT_EQ(TextureCube::fullLevels(2), 2);
+    EXPECT_EQ(TextureCube::fullLevels(1023), 10);
+    EXPECT_EQ(TextureCube::fullLevels(1024), 11);
+}
+
+TEST_P(ObjectsTest, ACubeAndAPictureLieSideBySideInAUnit) {
+    TextureCube cube("cube", GL_RGBA32F, 1, 1);
+    const Texture2D picture("picture", GL_RGBA32F, 1, 1);
+    cube.bind(2);
+    picture.bind(2);
+    GLint bound = 0;
+    // The last binding left that unit active.
+    glGetIntegerv(GL_TEXTURE_BINDING_CUBE_MAP, &bound);
+    EXPECT_EQ(static_cast<GLuint>(bound), cube.get());
+    glGetIntegerv(GL_TEXTURE_BINDING_2D, &bound);
+    EXPECT_EQ(static_cast<GLuint>(bound), picture.get());
+    EXPECT_EQ(glIsEnabled(GL_TEXTURE_CUBE_MAP_SEAMLESS), GL_TRUE);
+    cube.bind(2, false);
+    EXPECT_EQ(glIsEnabled(GL_TEXTURE_CUBE_MAP_SEAMLESS), GL_FALSE);
+}
+
 QX_ON_BOTH_BACKENDS(ObjectsTest);
 
 }  // namespace
