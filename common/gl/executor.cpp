@@ -99,6 +99,16 @@ GLenum internalFormat(graph::Format format) {
 }
 
 void Executor::run(const graph::FrameGraph& graph) {
+    run(graph, nullptr);
+}
+
+std::vector<Executor::PassCost> Executor::runMeasured(const graph::FrameGraph& graph) {
+    std::vector<PassCost> costs;
+    run(graph, &costs);
+    return costs;
+}
+
+void Executor::run(const graph::FrameGraph& graph, std::vector<PassCost>* costs) {
     const graph::Plan plan = graph.compile();
     ++frame_;
     byResource_.assign(graph.resourceCount(), nullptr);
@@ -117,11 +127,24 @@ void Executor::run(const graph::FrameGraph& graph) {
     for (const graph::Pass handle : plan.order) {
         const graph::PassDescription& pass = graph.pass(handle);
         RunningPass context(pass, byResource_, programs_, samplers_, noAttributes_);
-        try {
+        const auto execute = [&] {
             framebufferFor(graph, pass).bind();
             if (!pass.execute)
                 throw InputError("has nothing to execute");
             pass.execute(context);
+        };
+        try {
+            if (costs == nullptr) {
+                execute();
+                continue;
+            }
+            PassCost cost{.pass = pass.name};
+            cost.seconds = secondsOf([&] {
+                const std::uint64_t before = callCount();
+                execute();
+                cost.glCalls = callCount() - before;
+            });
+            costs->push_back(std::move(cost));
         } catch (const Error&) {
             rethrowNaming(pass);
         }

@@ -45,6 +45,15 @@ class Executor {
     /// all other state is what the pass before left. An error in a pass is thrown with the pass' name, as the
     /// same type.
     void run(const graph::FrameGraph& graph);
+
+    /// What a pass of the last run took, from glFinish to glFinish.
+    struct PassCost {
+        std::string pass;
+        std::uint64_t glCalls = 0;
+        double seconds = 0;
+    };
+    /// Runs as `run` does, but waits for the device after each pass.
+    std::vector<PassCost> runMeasured(const graph::FrameGraph& graph);
     /// The texture that holds an output of the last run; a check fails for other resources.
     const Texture2D& output(graph::Resource resource) const;
     ProgramCache& programs() { return programs_; }
@@ -58,6 +67,7 @@ class Executor {
         std::uint64_t lastFrame = 0;
     };
 
+    void run(const graph::FrameGraph& graph, std::vector<PassCost>* costs);
     const Texture2D& takeTarget(const graph::ResourceDescription& resource);
     const Framebuffer& framebufferFor(const graph::FrameGraph& graph, const graph::PassDescription& pass);
     void dropUnusedTargets();

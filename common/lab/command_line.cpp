@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <new>
@@ -10,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "base/file.h"
 #include "base/interrupt.h"
 #include "lab/picture_state.h"
 #include "lab/verbs.h"
@@ -19,7 +21,7 @@ namespace {
 
 constexpr int interruptedStatus = 130;  // 128 + SIGINT, as shells have it
 
-constexpr std::array verbs = {"list", "run", "ask", "sweep", "stress", "compare"};
+constexpr std::array verbs = {"list", "run", "ask", "sweep", "plan", "stress", "compare"};
 
 const char* about =
     "Computer-graphics labs that measure what they teach.\n"
@@ -32,6 +34,20 @@ const LabEntry* mentionedLab(std::span<const LabEntry> labs, const std::vector<s
             if (entry.isCalled(word))
                 return &entry;
     return nullptr;
+}
+
+/// The lab that shows files as `plan` wants them; null if there is none.
+const LabEntry* labForFiles(std::span<const LabEntry> labs) {
+    const auto found = std::find_if(labs.rbegin(), labs.rend(),
+                                    [](const LabEntry& entry) { return entry.make()->plansFiles(); });
+    return found == labs.rend() ? nullptr : &*found;
+}
+
+/// Whether `plan` is asked for a file: whatever ends as one that can be imported, or lies in a folder.
+bool namesModel(std::string_view word) {
+    const std::string extension = lowerCaseExtension(std::filesystem::path(word));
+    return extension == ".gltf" || extension == ".glb" || extension == ".obj" ||
+           word.find('/') != std::string_view::npos;
 }
 
 /// Each knob as a flag; what is given is set at once, and noted in `given`.
@@ -136,6 +152,9 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     app.require_subcommand(0, 1);
 
     const LabEntry* mentioned = only != nullptr ? only : mentionedLab(labs, words);
+    if (mentioned == nullptr && !words.empty() && words.front() == "plan" &&
+        std::any_of(words.begin() + 1, words.end(), namesModel))
+        mentioned = labForFiles(labs);
     const std::unique_ptr<Lab> lab = mentioned != nullptr ? mentioned->make() : nullptr;
     std::string labName;
     ExitStatus status = ExitStatus::ok;
@@ -219,6 +238,40 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
         if (budgetMs)
             sweepOptions.budgetSeconds = *budgetMs / 1e3;
         status = sweep(*lab, entry, sweepOptions);
+    });
+
+    PlanOptions planOptions;
+    std::string planned;
+    CLI::App* planCommand =
+        app.add_subcommand("plan", "Which effects a frame calls for, why, and what each costs it");
+    CLI::Option* const target =
+        planCommand->add_option("TARGET", planned, "A lab, or an OBJ, glTF or GLB file");
+    if (only == nullptr)
+        target->required();
+    if (lab)
+        addKnobs(*planCommand, lab->knobs(), given);
+    else
+        planCommand->allow_extras();
+    addBackend(*planCommand, planOptions.draw, false);
+    addFrame(*planCommand, planOptions.draw);
+    planCommand->add_option("--model", planOptions.draw.model, "The lab draws this file")->type_name("FILE");
+    planCommand->add_flag("--graph", planOptions.graph, "Print the frame's graph for Graphviz instead");
+    planCommand->add_flag("--json", planOptions.draw.json, "Machine-readable");
+    planCommand->callback([&] {
+        if (planOptions.graph && planOptions.draw.json)
+            throw InputError("are two forms of one answer", "--graph and --json", "leave one out");
+        if (namesModel(planned)) {
+            if (!lab || !lab->plansFiles())
+                throw InputError("no lab here plans files", printable(planned, 60), "name a lab");
+            planOptions.draw.model = planned;
+        } else if (only != nullptr && !planned.empty()) {
+            throw InputError(fmt::format("\"{}\" is no OBJ, glTF or GLB file", printable(planned, 60)), "plan",
+                             "name one, or nothing");
+        } else {
+            labName = planned;
+            chosen();
+        }
+        plan(*lab, *mentioned, planOptions);
     });
 
     StressOptions stressOptions;

@@ -97,6 +97,14 @@ struct Sweep {
     std::function<SweepSample(Studio&, const Frame&)> measure;
 };
 
+/// What a lab that plans its frames says of an effect: common/passes/frame_effects.h.
+struct EffectReport {
+    std::string name;
+    bool calledFor = false;
+    std::string reason;               ///< a sentence
+    std::vector<std::string> passes;  ///< that it added to the last frame
+};
+
 /// How long a person held the keys of movement down since they were last asked for, in seconds, so that
 /// nothing is lost however seldom that is. Opposite keys cancel; two keys for one thing add up.
 struct HeldSeconds {
@@ -164,6 +172,13 @@ class Lab {
     virtual std::vector<Question> questions() { return {}; }
     virtual std::vector<Sweep> sweeps() { return {}; }
     virtual std::vector<HardCase> hardCases() { return {}; }
+
+    /// The effects of the last frame, in and out; nothing from labs that draw all they have.
+    virtual std::vector<EffectReport> effects() const { return {}; }
+    /// Draws frames without these effects from now on, although they are called for. For measuring.
+    virtual void leaveOut(const std::vector<std::string>& /*effects*/) {}
+    /// Whether `plan` may show any file as this lab would draw it.
+    virtual bool plansFiles() const { return false; }
 
     /// What the last frame drew: "triangles" and the like, exact.
     virtual std::map<std::string, std::uint64_t> counters() const { return {}; }

@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "base/interrupt.h"
+#include "gl/calls.h"
 #include "scene/import.h"
 
 namespace quincunx {
@@ -78,6 +79,38 @@ Studio::Timing Studio::time(Lab& lab, const Frame& frame, int repeats, int warmU
         seconds.push_back(gl::secondsOf([&] { draw(lab, frame); }));
     }
     return timingOf(std::move(seconds));
+}
+
+graph::FrameGraph Studio::graph(Lab& lab, const Frame& frame) {
+    context();
+    graph::FrameGraph graph;
+    graph.addOutput(lab.build(graph, frame));
+    return graph;
+}
+
+Studio::FrameCost Studio::cost(Lab& lab, const Frame& frame, int repeats) {
+    QX_CHECK_GE(repeats, 1);
+    context();
+    // Targets that other frames left are kept for eight frames.
+    constexpr int warmUps = 10;
+    for (int i = 0; i < warmUps; ++i)
+        draw(lab, frame);
+    FrameCost result;
+    const std::uint64_t before = gl::callCount();
+    draw(lab, frame);
+    result.glCalls = gl::callCount() - before;
+    result.targetBytes = executor_->targetBytes();
+    std::vector<std::vector<double>> seconds;
+    for (int i = 0; i < repeats; ++i) {
+        throwIfInterrupted();
+        result.passes = executor_->runMeasured(graph(lab, frame));
+        seconds.resize(result.passes.size());
+        for (std::size_t p = 0; p < result.passes.size(); ++p)
+            seconds[p].push_back(result.passes[p].seconds);
+    }
+    for (std::size_t p = 0; p < result.passes.size(); ++p)
+        result.passes[p].seconds = timingOf(seconds[p]).medianSeconds;
+    return result;
 }
 
 std::uint64_t Studio::samplesPassed(Lab& lab, const Frame& frame) {

@@ -33,6 +33,16 @@ class Studio {
     using Timing = quincunx::Timing;
     Timing time(Lab& lab, const Frame& frame, int repeats = 9, int warmUps = 2);
 
+    /// What a frame asks of the device once it is warm.
+    struct FrameCost {
+        std::vector<gl::Executor::PassCost> passes;  ///< as a median over `repeats` frames, each
+        std::uint64_t glCalls = 0;                   ///< of the whole frame
+        std::size_t targetBytes = 0;                 ///< of all its targets
+    };
+    FrameCost cost(Lab& lab, const Frame& frame, int repeats);
+    /// The frame's passes and resources.
+    graph::FrameGraph graph(Lab& lab, const Frame& frame);
+
     /// Frame with the lab's default camera.
     Frame frame(const Lab& lab, int width, int height) const;
 

@@ -41,6 +41,11 @@ struct SweepOptions {
     std::optional<double> maxError;
 };
 
+struct PlanOptions {
+    DrawOptions draw;
+    bool graph = false;  ///< print the frame's graph for Graphviz instead
+};
+
 struct StressOptions {
     bool full = false;
     std::uint64_t seed = 1;
@@ -60,6 +65,7 @@ void list(std::span<const LabEntry> labs, bool json);
 void run(Lab& lab, const LabEntry& entry, RunOptions options);
 ExitStatus ask(std::span<const LabEntry> labs, int question, const DrawOptions& options);
 ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options);
+void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options);
 ExitStatus stress(Lab& lab, const LabEntry& entry, const StressOptions& options);
 ExitStatus compare(const CompareOptions& options);
 

@@ -59,7 +59,7 @@ class EnvironmentMap {
     static constexpr GLuint radianceUnit = 8;
     static constexpr GLuint irradianceUnit = 9;
     static constexpr GLuint brdfUnit = 10;
-    static constexpr GLuint blockBinding = 3;
+    static constexpr GLuint blockBinding = 4;
 
     /// From a panorama: an equirectangular picture whose middle looks along +x, and whose top is +y. sRGB is
     /// decoded; negative values and what is not a number count as 0, more than 65504 as that. InputError for

@@ -117,9 +117,7 @@ Box boundsAlong(const Scene& scene, const glm::mat3& frameFromWorld) {
 
 ShadowViews directionalViews(const Light& light, const Scene& casters, const Bounds& bounds,
                              const Camera& camera, float aspect, int cascades) {
-    // The light looks along −z of its frame, with the world's up for its own: what is long and level then
-    // lies along the map.
-    const glm::mat3 basis(lookAt(glm::vec3(0), light.direction, {0, 1, 0}));
+    const glm::mat3 basis = shadowBasis(light);
     const glm::dmat3 lightFromWorld = glm::transpose(glm::dmat3(basis));
     const Box all = boundsAlong(casters, glm::mat3(lightFromWorld));
     if (!std::isfinite(glm::length(all.max - all.min)))
@@ -207,10 +205,9 @@ ShadowBlock makeBlock(const ShadowMap::Lookup& lookup) {
     QX_CHECK_LE(views.size(), maxShadowViews);
     const int columns = lookup.map.width() / params.resolution;
     const int rows = lookup.map.height() / params.resolution;
-    const glm::mat4 shadowFromClip(0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0.5f, 0.5f, 0.5f, 1);
     ShadowBlock block;
     for (std::size_t i = 0; i < views.size(); ++i) {
-        block.shadowFromWorld[i] = shadowFromClip * views[i].clipFromWorld;
+        block.shadowFromWorld[i] = shadowFromClip() * views[i].clipFromWorld;
         block.worldFromShadow[i] = inverse(block.shadowFromWorld[i]).value_or(glm::mat4(1));
         const int tile = static_cast<int>(i);
         block.tiles[i] = {static_cast<float>(tile % columns) / static_cast<float>(columns),
@@ -233,7 +230,46 @@ ShadowBlock makeBlock(const ShadowMap::Lookup& lookup) {
     return block;
 }
 
+/// The kind of views that a light has, whatever there is to see.
+ShadowViews::Kind kindFor(const Light& light) {
+    if (light.kind == Light::Kind::directional)
+        return ShadowViews::Kind::cascades;
+    return light.kind == Light::Kind::spot && light.outerConeRadians <= widestSpotRadians
+               ? ShadowViews::Kind::single
+               : ShadowViews::Kind::cube;
+}
+
 }  // namespace
+
+glm::mat4 shadowFromClip() {
+    return {0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0.5f, 0.5f, 0.5f, 1};
+}
+
+glm::mat3 shadowBasis(const Light& light) {
+    return glm::mat3(lookAt(glm::vec3(0), light.direction, {0, 1, 0}));
+}
+
+ShadowViews fitShadowViews(const Light& light, const ShadowExtent& extent, const ShadowMapParams& params) {
+    ShadowViews none{kindFor(light), {}};
+    if (!isUsable(extent.casters) || (light.kind != Light::Kind::point && !normalize(light.direction)))
+        return none;
+    if (light.kind == Light::Kind::directional) {
+        const Box casters{extent.castersMin, extent.castersMax};
+        const Box wanted{glm::max(extent.receiversMin, extent.castersMin),
+                         glm::min(extent.receiversMax, extent.castersMax)};
+        const bool meet = wanted.min.x <= wanted.max.x && wanted.min.y <= wanted.max.y;
+        if (!meet || !std::isfinite(glm::length(casters.max - casters.min)))
+            return none;
+        none.views.push_back(
+            {boxView(shadowBasis(light), wanted, casters), std::numeric_limits<float>::infinity()});
+        return none;
+    }
+    const bool open = light.kind != Light::Kind::spot || light.outerConeRadians > 0;
+    if (!open || !isFinite(light.position) || !std::isfinite(reachOf(light.position, extent.casters).second))
+        return none;
+    return none.kind == ShadowViews::Kind::single ? spotView(light, extent.casters)
+                                                  : cubeViews(light, extent.casters, params);
+}
 
 ShadowViews fitShadowViews(const Light& light, const Scene& casters, const Camera& camera, float aspect,
                            const ShadowMapParams& params) {

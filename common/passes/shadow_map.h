@@ -56,6 +56,25 @@ struct ShadowMapParams {
 ShadowViews fitShadowViews(const Light& light, const Scene& casters, const Camera& camera, float aspect,
                            const ShadowMapParams& params);
 
+/// Where a light's casters and receivers lie, for fitting its views without looking at vertices.
+struct ShadowExtent {
+    Bounds casters;  ///< world space
+    /// Directional lights: boxes in the frame of `shadowBasis`, empty where min exceeds max.
+    glm::dvec3 castersMin{0}, castersMax{0};
+    glm::dvec3 receiversMin{0}, receiversMax{0};
+};
+
+/// A directional light's frame as the columns of a rotation: it looks along −z, with the world's up for its
+/// own, so that what is long and level lies along the map.
+glm::mat3 shadowBasis(const Light& light);
+
+/// The views of a light over the part of the world where casters and receivers may meet: one box for a
+/// directional light, as small as both allow. No views where there is nothing to see, or nothing finite.
+ShadowViews fitShadowViews(const Light& light, const ShadowExtent& extent, const ShadowMapParams& params);
+
+/// What shaders/lib/shadow_taps.glsl needs of a view.
+glm::mat4 shadowFromClip();
+
 /// A light's map: its views, what shaders read of it, and how it is drawn.
 class ShadowMap {
   public:

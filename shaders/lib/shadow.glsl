@@ -1,6 +1,6 @@
 // The lookup of a shadow map. Laid out as struct ShadowBlock in common/passes/shadow_map.cpp.
 
-#include "lib/shadow_math.glsl"
+#include "lib/shadow_taps.glsl"
 
 const int maxShadowViews = 6;
 
@@ -34,30 +34,6 @@ float litShare(vec3 positionWorld, vec3 planeNormal) {
     if (shadowMode.y == 0)
         return 1.0;
     int view = shadowView(positionWorld);
-    vec4 place = shadowPlace(shadowFromWorld[view], positionWorld);
-    if (place.w == 0.0 || any(lessThan(place.xy, vec2(0.0))) || any(greaterThan(place.xy, vec2(1.0))))
-        return 1.0;
-    float texel = shadowBias.z;
-#ifdef SHADOW_BILINEAR
-    float reach = texel;
-#else
-    float reach = 0.5 * texel;
-#endif
-    vec2 slopes = shadowBias.y > 0.0 ? receiverSlopes(worldFromShadow[view], positionWorld, planeNormal) : vec2(0.0);
-    float depth = place.z - shadowBias.x - shadowBias.y * receiverPlaneBias(slopes, reach);
-    if (shadowBias.y > 0.0)
-        depth -= shadowRounding(shadowFromWorld[view], positionWorld);
-    vec4 tile = shadowTiles[view];
-    int radius = shadowMode.w;
-    float lit = 0.0;
-    for (int y = -radius; y <= radius; ++y)
-        for (int x = -radius; x <= radius; ++x) {
-            // Taps stay in their own tile; each is compared with the depth that the receiver has there.
-            vec2 offset = texel * vec2(x, y);
-            vec2 st = clamp(place.xy + offset, vec2(reach), vec2(1.0 - reach));
-            float tapDepth = clamp(depth + dot(slopes, st - place.xy), 0.0, 1.0);
-            lit += textureLod(shadowMap, vec3(tile.xy + tile.zw * st, tapDepth), 0.0);
-        }
-    float side = float(2 * radius + 1);
-    return lit / (side * side);
+    return shareOfTaps(shadowMap, ShadowTile(shadowFromWorld[view], worldFromShadow[view], shadowTiles[view]),
+                       shadowBias.xyz, shadowMode.w, positionWorld, planeNormal);
 }

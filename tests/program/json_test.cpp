@@ -89,6 +89,59 @@ TEST_F(ProgramJson, OfStressHoldsNaiveAndStableErrorsWithTheirBounds) {
     }
 }
 
+TEST_F(ProgramJson, OfPlanHoldsEffectsInAndOutWithTheirReasonsAndCosts) {
+    const json reply = answer(drawingSmall({"plan", "full_frame", "--tessellation=6",
+                                            "--shadow-resolution=128", "--blur=0", "--greyscale=0"}));
+    EXPECT_THAT(names(reply), IsSupersetOf({"scene", "effects", "passes", "gl_calls", "milliseconds",
+                                            "memory_bytes"}));
+    EXPECT_GT(reply["gl_calls"], 0);
+    EXPECT_GT(reply["memory_bytes"], 0);
+    std::set<std::string> in;
+    for (const json& effect : reply["effects"]) {
+        EXPECT_THAT(names(effect), IsSupersetOf({"name", "called_for", "reason", "passes", "gl_calls",
+                                                 "milliseconds", "alone_milliseconds", "memory_bytes"}));
+        EXPECT_NE(effect["reason"], "") << effect;
+        if (effect["called_for"] == true) {
+            in.insert(effect["name"].get<std::string>());
+        } else {
+            EXPECT_EQ(effect["gl_calls"], 0) << effect;
+            EXPECT_EQ(effect["milliseconds"], 0) << effect;
+            EXPECT_TRUE(effect["passes"].empty()) << effect;
+        }
+    }
+    EXPECT_THAT(in, IsSupersetOf({"directional shadows", "environment map", "tone map"}));
+    EXPECT_THAT(in, testing::Not(testing::Contains("greyscale")));
+}
+
+TEST_F(ProgramJson, OfPlanHoldsThePassesOfALabThatPlansNothing) {
+    const json reply = answer(drawingSmall({"plan", "shading"}));
+    EXPECT_TRUE(reply["effects"].empty());
+    ASSERT_FALSE(reply["passes"].empty());
+    std::uint64_t calls = 0;
+    for (const json& pass : reply["passes"])
+        calls += pass["gl_calls"].get<std::uint64_t>();
+    // What belongs to no pass is the frame's own: at most that it switches sRGB on.
+    EXPECT_LE(calls, reply["gl_calls"].get<std::uint64_t>());
+    EXPECT_GE(calls + 8, reply["gl_calls"].get<std::uint64_t>());
+}
+
+TEST_F(ProgramJson, OfPlanTakesAFileOfAnyScene) {
+    folder_.file("sheet.obj", "v -1 0 -1\nv -1 0 1\nv 1 0 1\nf 1 2 3\n");
+    const json reply = answer(drawingSmall({"plan", "sheet.obj"}));
+    EXPECT_THAT(reply["scene"], "sheet.obj");
+    for (const json& effect : reply["effects"])
+        if (effect["name"] == "directional shadows") {
+            // One flat sheet has nothing to cast a shadow on it.
+            EXPECT_EQ(effect["called_for"], false) << effect;
+        }
+}
+
+TEST_F(ProgramJson, OfPlanAsAGraphIsForGraphviz) {
+    const ProcessResult result = call({"plan", "full_frame", "--graph", "--backend", "osmesa"});
+    EXPECT_TRUE(succeeded(result));
+    EXPECT_THAT(result.out, testing::AllOf(testing::StartsWith("digraph"), testing::HasSubstr("shade")));
+}
+
 TEST_F(ProgramJson, OfRunNamesThePictureAndWhatDrewIt) {
     const json reply = answer(drawingSmall({"run", "shading"}));
     EXPECT_THAT(names(reply), IsSupersetOf({"lab", "file", "backend", "renderer", "width", "height",

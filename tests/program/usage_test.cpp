@@ -19,7 +19,7 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
 
-const std::vector<std::string> verbs = {"list", "run", "ask", "sweep", "stress", "compare"};
+const std::vector<std::string> verbs = {"list", "run", "ask", "sweep", "plan", "stress", "compare"};
 
 TEST_F(Program, HelpNamesEveryVerb) {
     const ProcessResult result = call({"--help"});
@@ -105,6 +105,9 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{{"sweep", "shading", "--budget-ms", "nan"}, "--budget-ms"},
         WrongUse{{"sweep", "shading", "--budget-ms", "inf"}, "--budget-ms"},
         WrongUse{{"sweep", "shading", "--max-error", "-1"}, "--max-error"},
+        WrongUse{{"plan"}, "TARGET"}, WrongUse{{"plan", "nosuch"}, "10_shading"},
+        WrongUse{{"plan", "nosuch.glb"}, "nosuch.glb"}, WrongUse{{"plan", "shading", "extra"}, "extra"},
+        WrongUse{{"plan", "shading", "--graph", "--json"}, "--graph"},
         WrongUse{{"stress", "nosuch"}, "10_shading"}, WrongUse{{"stress", "shading", "--nosuch"}, "--nosuch"},
         WrongUse{{"compare"}, "A"}, WrongUse{{"compare", "a.png"}, "B"},
         WrongUse{{"compare", "a.png", "b.png", "--metric", "nosuch"}, "flip"}),

@@ -1,0 +1,189 @@
+// The verb `plan`: what a frame does, why, and what each effect costs it.
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/interrupt.h"
+#include "base/progress.h"
+#include "lab/studio.h"
+#include "lab/verbs.h"
+#include "scene/import.h"
+
+namespace quincunx {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What a frame costs without some effects.
+struct Measured {
+    std::vector<std::string> leftOut = {};
+    std::vector<double> seconds = {};
+    std::uint64_t glCalls = 0;
+    std::size_t targetBytes = 0;
+
+    double median() const { return timingOf(seconds).medianSeconds; }
+};
+
+struct EffectCost {
+    std::int64_t glCalls = 0;
+    std::int64_t bytes = 0;
+    double seconds = 0;       ///< what switching it on adds to this frame
+    double aloneSeconds = 0;  ///< and to a frame without other effects
+};
+
+/// Leaves nothing out again at its end.
+class LeavingOut {
+  public:
+    explicit LeavingOut(Lab& lab) : lab_(lab) {}
+    ~LeavingOut() { lab_.leaveOut({}); }
+    LeavingOut(const LeavingOut&) = delete;
+    LeavingOut& operator=(const LeavingOut&) = delete;
+
+  private:
+    Lab& lab_;
+};
+
+/// Variants in turn, round by round, so that what slows the machine down for a while slows all of them.
+void measure(Lab& lab, Studio& studio, const Frame& frame, std::vector<Measured>& variants) {
+    constexpr double patienceSeconds = 6;
+    constexpr int mostFrames = 24;
+    constexpr int rounds = 4;
+    const LeavingOut restored(lab);
+    double once = 0;
+    for (Measured& variant : variants) {
+        lab.leaveOut(variant.leftOut);
+        const Studio::FrameCost cost = studio.cost(lab, frame, 1);
+        variant.glCalls = cost.glCalls;
+        variant.targetBytes = cost.targetBytes;
+        once += studio.time(lab, frame, 1, 0).medianSeconds;
+    }
+    const int frames = std::clamp(static_cast<int>(patienceSeconds / (once * rounds)), 2, mostFrames);
+    Progress progress("plan", static_cast<std::size_t>(rounds));
+    for (int round = 0; round < rounds; ++round) {
+        for (Measured& variant : variants) {
+            lab.leaveOut(variant.leftOut);
+            studio.time(lab, frame, 1, 0);
+            for (int i = 0; i < frames; ++i)
+                variant.seconds.push_back(studio.time(lab, frame, 1, 0).medianSeconds);
+        }
+        progress.update(static_cast<std::size_t>(round) + 1);
+    }
+}
+
+std::vector<std::string> without(std::vector<std::string> names, const std::string& name) {
+    std::erase(names, name);
+    return names;
+}
+
+std::string bytesText(double bytes) {
+    return bytes < 1e4   ? fmt::format("{:.0f} B", bytes)
+           : bytes < 1e7 ? fmt::format("{:.0f} kB", bytes / 1e3)
+                         : fmt::format("{:.1f} MB", bytes / 1e6);
+}
+
+}  // namespace
+
+void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options) {
+    const DrawOptions& draw = options.draw;
+    std::string scene = entry.folder();
+    if (!draw.model.empty()) {
+        ImportedScene imported = importScene(draw.model);
+        for (const std::string& warning : imported.warnings)
+            say(fmt::format("warning: {}: {}", printable(draw.model), printable(warning)));
+        lab.useScene(std::move(imported.scene));
+        scene = printable(draw.model);
+    }
+    lab.markIdleKnobs();
+    Studio studio(draw.backend);
+    constexpr int defaultWidth = 640;
+    constexpr int defaultHeight = 480;
+    Frame frame = studio.frame(lab, draw.width.value_or(defaultWidth), draw.height.value_or(defaultHeight));
+    frame.seed = draw.seed.value_or(frame.seed);
+    if (options.graph) {
+        print(studio.graph(lab, frame).graphviz());
+        return;
+    }
+
+    constexpr int repeats = 7;
+    const Studio::FrameCost cost = studio.cost(lab, frame, repeats);
+    const std::vector<EffectReport> effects = lab.effects();
+    std::vector<std::string> calledFor;
+    for (const EffectReport& effect : effects)
+        if (effect.calledFor)
+            calledFor.push_back(effect.name);
+
+    // The frame; without each of its effects; without any; and with each alone.
+    std::vector<Measured> variants(1);
+    for (const std::string& effect : calledFor)
+        variants.push_back({.leftOut = {effect}});
+    if (!calledFor.empty())
+        variants.push_back({.leftOut = calledFor});
+    for (const std::string& effect : calledFor)
+        variants.push_back({.leftOut = without(calledFor, effect)});
+    measure(lab, studio, frame, variants);
+    const std::size_t count = calledFor.size();
+    const auto costOf = [&](std::size_t i) {
+        const Measured& full = variants[0];
+        const Measured& less = variants[1 + i];
+        return EffectCost{
+            static_cast<std::int64_t>(full.glCalls) - static_cast<std::int64_t>(less.glCalls),
+            static_cast<std::int64_t>(full.targetBytes) - static_cast<std::int64_t>(less.targetBytes),
+            full.median() - less.median(), variants[2 + count + i].median() - variants[1 + count].median()};
+    };
+
+    std::string text = fmt::format("{} at {}x{}: {:.2f} ms, {} GL calls, {} of targets\n\n", scene,
+                                   frame.width, frame.height, variants[0].median() * 1e3, cost.glCalls,
+                                   bytesText(static_cast<double>(cost.targetBytes)));
+    Json rows = Json::array();
+    std::string in;
+    std::string out;
+    for (const EffectReport& effect : effects) {
+        const auto found = std::find(calledFor.begin(), calledFor.end(), effect.name);
+        const EffectCost own =
+            effect.calledFor ? costOf(static_cast<std::size_t>(found - calledFor.begin())) : EffectCost{};
+        rows.push_back({{"name", effect.name},
+                        {"called_for", effect.calledFor},
+                        {"reason", effect.reason},
+                        {"passes", effect.passes},
+                        {"gl_calls", own.glCalls},
+                        {"milliseconds", own.seconds * 1e3},
+                        {"alone_milliseconds", own.aloneSeconds * 1e3},
+                        {"memory_bytes", own.bytes}});
+        if (effect.calledFor)
+            in += fmt::format("  {:<22} {:>8.2f} ms {:>8.2f} ms alone {:>5} calls {:>9}  {}\n", effect.name,
+                              own.seconds * 1e3, own.aloneSeconds * 1e3, own.glCalls,
+                              bytesText(static_cast<double>(own.bytes)), effect.reason);
+        else
+            out += fmt::format("  {:<22} {}\n", effect.name, effect.reason);
+    }
+    if (!in.empty())
+        text += "effects in, and what switching each on adds\n" + in + "\n";
+    if (!out.empty())
+        text += "effects out\n" + out + "\n";
+    text += "passes, each waited for\n";
+    Json passes = Json::array();
+    for (const gl::Executor::PassCost& pass : cost.passes) {
+        passes.push_back(
+            {{"name", pass.pass}, {"gl_calls", pass.glCalls}, {"milliseconds", pass.seconds * 1e3}});
+        text +=
+            fmt::format("  {:<34} {:>8.2f} ms {:>6} calls\n", pass.pass, pass.seconds * 1e3, pass.glCalls);
+    }
+    const Json json{{"scene", scene},
+                    {"lab", entry.folder()},
+                    {"renderer", studio.context().renderer()},
+                    {"width", frame.width},
+                    {"height", frame.height},
+                    {"effects", rows},
+                    {"passes", passes},
+                    {"gl_calls", cost.glCalls},
+                    {"milliseconds", variants[0].median() * 1e3},
+                    {"memory_bytes", cost.targetBytes}};
+    print(draw.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : text);
+}
+
+}  // namespace quincunx

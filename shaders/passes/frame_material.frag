@@ -1,0 +1,12 @@
+#version 330 core
+
+// Metallic-roughness materials of a planned frame, with the shadow maps that there are.
+
+#include "lib/frame_shadows.glsl"
+#include "lib/material.glsl"
+
+invariant out vec4 color;
+
+void main() {
+    color = materialColor();
+}
