@@ -4,7 +4,9 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <deque>
+#include <map>
 #include <new>
 #include <optional>
 #include <utility>
@@ -187,6 +189,7 @@ struct ShownPicture {
     gl::Texture2D texture;
     gl::Framebuffer framebuffer;
     PictureState state;
+    std::map<std::string, std::uint64_t> counters = {};
 
     glm::ivec2 size() const { return {texture.width(), texture.height()}; }
 };
@@ -551,6 +554,7 @@ class LabWindow {
         copyPixels(source.get(), size, shown_->framebuffer.get(), size);
         shown_->state = state_;
         shown_->state.knobs = lab_.knobs().values();
+        shown_->counters = lab_.counters();
     }
 
     void compare() {
@@ -613,7 +617,7 @@ class LabWindow {
         text.topic = lab_.topic();
         text.facts.emplace_back("frame", times_.text());
         text.facts.emplace_back("size", fmt::format("{}×{}", shown_->size().x, shown_->size().y));
-        for (const auto& [name, count] : lab_.counters())
+        for (const auto& [name, count] : shown_->counters)
             text.facts.emplace_back(name, grouped(count));
         text.facts.emplace_back("error", errorText_);
         if (!lab_.referenceName().empty())
