@@ -83,8 +83,10 @@ QUINCUNX_INLINE MicrofacetSurface metallicRoughness(vec3 baseColor, float metall
     return surface;
 }
 
-// pi f max(0, n·wi): how much of a light's color · intensity is sent towards wo. Eyes below the horizon, as
-// interpolated normals have them at silhouettes, are taken as in it.
+// pi f max(0, n·wi), mixed as glTF's appendix B has it: how much of a light's color · intensity is sent towards wo. Eyes below the horizon, as
+// interpolated normals have them at silhouettes, are taken as in it. Metals never send back more than arrives; with
+// the appendix' mix white dielectrics do at grazing angles, as the diffuse part there gives up less than the mirrored
+// one takes: 1.03 times at 60° from the normal, up to 1.7 at 87° where they are smooth.
 QUINCUNX_INLINE vec3 microfacetShare(MicrofacetSurface surface, vec3 n, vec3 wi, vec3 wo) {
     float cosLight = dot(n, wi);
     if (!(cosLight > 0.0f))

@@ -134,10 +134,6 @@ vec3 environmentLight(MicrofacetSurface surface, float roughness, vec3 n, vec3 w
 // Radiance and opacity of this fragment, which may be discarded.
 vec4 materialColor() {
     vec4 color = surfaceColor();
-#ifdef ALPHA_MASK
-    if (USES(alphaMaskBit) && color.a < emission.a)
-        discard;
-#endif
     float metallic = factors.x;
     float roughness = factors.y;
 #ifdef METALLIC_ROUGHNESS_TEXTURE
@@ -166,6 +162,11 @@ vec4 materialColor() {
         radiance *= texture(emissionTexture, texcoordOf(4)).rgb;
 #endif
     radiance += around;
+#ifdef ALPHA_MASK
+    // Not before: textures choose their level by neighbours, which have to reach them.
+    if (USES(alphaMaskBit) && color.a < emission.a)
+        discard;
+#endif
     for (int i = 0; i < lightCount.x; ++i) {
         Light light = lights[i];
         PhongLight source = PhongLight(int(light.position.w), light.position.xyz, light.direction.xyz,
