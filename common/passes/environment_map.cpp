@@ -185,7 +185,7 @@ void EnvironmentMap::finish(graph::PassContext& context) {
         program.set("sourceSize", static_cast<float>(source_.size()));
         program.set("lastLevel", static_cast<float>(source_.levels() - 1));
         program.set("samples", (params_.samples + 3) / 4 * 4);
-        program.set("levelBias", params_.filteredSamples ? 1.0f : -100.0f);
+        program.set("levelBias", params_.filteredSamples ? 0.5f : -100.0f);
         for (int face = 0; face < faceCount; ++face)
             radiance_.copyFrom(sourceTargets_[static_cast<std::size_t>(face)], face, 0);
         for (int level = 1; level < params_.levels; ++level) {

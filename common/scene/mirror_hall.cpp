@@ -183,8 +183,8 @@ MirrorHall makeMirrorHall() {
     evening.intensity = 10;
     hall.contents.lights = {daylight, evening};
     hall.contents.ambientLight = {0.20f, 0.21f, 0.25f};
-    hall.contents.camera.worldFromCamera = lookAt({0.95f, 3.0f, 6.2f}, {0.42f, 0.98f, -0.6f}, {0, 1, 0});
-    hall.contents.camera.fovYRadians = 45 * degree;
+    hall.contents.camera.worldFromCamera = lookAt({0.95f, 3.0f, 6.2f}, {0.60f, 0.98f, -0.6f}, {0, 1, 0});
+    hall.contents.camera.fovYRadians = 48 * degree;
     hall.contents.camera.nearDistance = 0.1f;
     hall.contents.camera.farDistance = 2000;
     return hall;
