@@ -3,6 +3,8 @@
 // SHADOWS_POINT say which maps there are.
 
 #include "lib/frame.glsl"
+// The maps' sampler blends four comparisons.
+#define SHADOW_BILINEAR
 #include "lib/shadow_taps.glsl"
 #include "lib/triangle_normal.glsl"
 

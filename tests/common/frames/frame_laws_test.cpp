@@ -462,6 +462,43 @@ TEST_F(FrameLaws, EveryEffectThatIsCalledForChangesThePicture) {
     }
 }
 
+TEST_F(FrameLaws, ShadowMapsLeaveWhatIsLitAsItIs) {
+    // A large ball that fills the view, and shades its own far side; a small one shades its upper left.
+    Scene scene = ballOnAFloor();
+    scene.instances[0].worldFromModel = glm::mat4(glm::mat3(4));
+    scene.instances[0].worldFromModel[3].z = -4;
+    glm::mat4 ball(glm::mat3(0.4f));
+    ball[3] = {0.3f, 0.9f, 0.7f, 1};
+    scene.instances.push_back({"ball", 0, 0, ball});
+    Light& light = scene.lights.front();
+    light.position = {5, 0.5f, 1.5f};
+    light.direction = glm::normalize(glm::vec3(-5, 0.2f, -1.2f));
+    light.outerConeRadians = 1.2f;
+    light.innerConeRadians = 1;
+    for (const Light::Kind kind : {Light::Kind::directional, Light::Kind::spot, Light::Kind::point}) {
+        light.kind = kind;
+        light.intensity = kind == Light::Kind::directional ? 2.0f : 40.0f;
+        FrameView view = lookingAtTheBall(scene);
+        view.width = 96;
+        view.height = 64;
+        view.pictureFormat = graph::Format::rgba32f;
+        view.settings.shadowResolution = 128;
+        const Image shaded = drawn(view);
+        view.settings.leftOut = allEffects();
+        const Image unshaded = drawn(view);
+        int darker = 0;
+        for (int y = 0; y < view.height; ++y)
+            for (int x = 0; x < view.width; ++x) {
+                const float lost = unshaded.pixel(x, y)[1] - shaded.pixel(x, y)[1];
+                darker += lost > 0;
+                if (x > view.width / 2 && y > view.height / 2) {
+                    ASSERT_EQ(lost, 0) << static_cast<int>(kind) << ": " << x << " " << y;
+                }
+            }
+        EXPECT_GT(darker, 20) << static_cast<int>(kind);
+    }
+}
+
 TEST_F(FrameLaws, TargetsOfOnePixelAndOfTheWidestHold) {
     const Scene scene = ballOnAFloor();
     FrameView view = lookingAtTheBall(scene);
