@@ -424,7 +424,6 @@ TEST_F(FrameLaws, EveryEffectThatIsCalledForChangesThePicture) {
     glm::mat4 mirror(1);
     mirror[3] = {-1.8f, 0, 0, 1};
     scene.instances.push_back({"mirror", 0, 2, mirror});
-    std::reverse(scene.instances.begin(), scene.instances.end());
     scene.backgroundTop = {0.2f, 0.4f, 0.9f};
     scene.backgroundBottom = {0.7f, 0.6f, 0.5f};
     Light spot;
