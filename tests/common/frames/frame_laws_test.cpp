@@ -234,7 +234,7 @@ TEST_P(RandomFrames, ForcingEveryEffectChangesNoBit) {
         random.view.settings.forced = allEffects();
         ASSERT_EQ(planned, drawn(random.view)) << "seed " << seed;
     }
-    // Each scene calls for some effects and not for others: measured 3 … 4 of them.
+    // Scenes call for some effects and not for others.
     EXPECT_GT(calledFor, std::size_t{scenesACase});
     EXPECT_LT(calledFor, scenesACase * effects().size() * 2 / 3);
 }
