@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "base/check.h"
+#include "base/error.h"
 #include "passes/targets.h"
 
 namespace quincunx {
@@ -93,6 +96,9 @@ const Visibility& FrameRenderer::visibility() const {
 }
 
 void FrameRenderer::decide(const FrameView& view) {
+    if (view.width < 1 || view.height < 1)
+        throw InputError(fmt::format("{}×{} pixels", view.width, view.height), "picture",
+                         "give it at least 1×1");
     if (!bounds_)
         bounds_.emplace(view.scene);
     planned_ = std::make_shared<Planned>(Planned{view, bounds_->look(view)});

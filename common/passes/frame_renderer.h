@@ -43,6 +43,7 @@ class FrameRenderer {
     /// scene's placements, lights and colours may change from call to call; its meshes, textures and
     /// instances are those of the first call, until `reset`. The buffers are made when the first pass of the
     /// first frame runs, in the context that is current then. What `view` refers to outlives the graph's run.
+    /// A picture without pixels is an InputError.
     graph::Resource build(graph::FrameGraph& graph, const FrameView& view);
     /// Plans a frame without adding anything.
     const FramePlan& plan(const FrameView& view);

@@ -211,11 +211,12 @@ std::vector<HardCase> FullFrameLab::hardCases() {
         {"what is in view", "near 1e-3, far 1e4, the camera up to 1e3 away", "", 0,
          "planes relative to the eye, slack for the device's rounding (SceneBounds::look)",
          runCullingDeepViews},
-        // The anchored coordinates are at most 512 near distances, 51.2 here, plus the object's distance, and
-        // are summed with errors of 2^-22 of that in each of two products, twice the float's for the matrix
-        // that was rounded: 4 · 2^-22 (51.2 √3 / d + 1) of the distance d, √2 · 540 / tan(0.15) pixels a
-        // unit of it. At d = 1 that is 0.43 pixels; measured 0.03.
-        {"a vertex on the screen", "the camera 1e3 … 1e6 from the origin", " px", 0.43,
+        // Anchored coordinates are at most 32 (half a cell of 64, the least power of two above 512 near
+        // distances of 0.1) on each axis, plus the object's distance d, and are summed with errors of 2^-22
+        // of that in each of two products, and as much again for the matrix that was rounded: 4 · 2^-22 (32
+        // √3 / d
+        // + 1) of d, which is √2 · 540 / tan(0.15) pixels. At d = 1 that is 0.28 pixels.
+        {"a vertex on the screen", "the camera 1e3 … 1e6 from the origin", " px", 0.28,
          "placements relative to an anchor near the eye (anchorOf)", runFarFromOrigin},
         {"order of what blends", "equal distances, and none at all", "", 0,
          "stable sort, NaN last (farthestFirst)", runBlendedOrder},

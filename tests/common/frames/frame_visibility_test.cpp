@@ -88,7 +88,7 @@ TEST(FrameVisibility, LeavesNothingOutThatIsInViewNearOrFarFromTheOrigin) {
                 ++all;
             }
         }
-    // It is no use keeping everything: measured 6354 seen and 6801 kept of 48000.
+    // It is no use keeping everything.
     EXPECT_GT(seen, all / 20);
     EXPECT_LT(kept, seen + all / 20);
 }
