@@ -265,8 +265,8 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
                 throw InputError("no lab here plans files", printable(planned, 60), "name a lab");
             planOptions.draw.model = planned;
         } else if (only != nullptr && !planned.empty()) {
-            throw InputError(fmt::format("\"{}\" is no OBJ, glTF or GLB file", printable(planned, 60)), "plan",
-                             "name one, or nothing");
+            throw InputError(fmt::format("\"{}\" is no OBJ, glTF or GLB file", printable(planned, 60)),
+                             "plan", "name one, or nothing");
         } else {
             labName = planned;
             chosen();

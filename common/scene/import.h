@@ -15,10 +15,10 @@ struct ImportedScene {
 };
 
 /// Reads .obj (with .mtl), .gltf or .glb, by the extension in any case. Missing normals are made, and
-/// missing tangents where a normal map needs them. The scene has its own lights and cameras only if the file has. Throws InputError with
-/// one line (file, what, remedy) for files that are missing, cut off, malformed, too large, or that require
-/// an unsupported glTF extension; nothing in a file makes it hang or use memory out of proportion to its
-/// size.
+/// missing tangents where a normal map needs them. The scene has its own lights and cameras only if the file
+/// has. Throws InputError with one line (file, what, remedy) for files that are missing, cut off, malformed,
+/// too large, or that require an unsupported glTF extension; nothing in a file makes it hang or use memory
+/// out of proportion to its size.
 ImportedScene importScene(const std::filesystem::path& file);
 
 /// A camera that sees all of `bounds` from a little above, for a picture of the given shape.

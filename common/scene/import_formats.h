@@ -26,7 +26,8 @@ ImportedScene importObj(std::string contents, const std::filesystem::path& file)
 ///
 /// - As the specification asks (section 3.7.2.1), normals that are missing are made flat, and tangents with
 ///   them; where a normal map is without tangents, `makeTangents` makes them for its texture coordinates.
-/// - Textures used for colour (base, emission) are sRGB, the others linear, whatever their file says; one used
+/// - Textures used for colour (base, emission) are sRGB, the others linear, whatever their file says; one
+/// used
 ///   both ways becomes two. Of the sets of texture coordinates a mesh gets the first two, or those two that
 ///   the material asks for.
 /// - Nodes are kept that an animation moves and from which something hangs, and those above them; all else is

@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "geometry/normals.h"
-#include "geometry/tangents.h"
+#include "geometry/tangent_frames.h"
 #include "image/io.h"
 #include "math/trs.h"
 #include "math/vector.h"

@@ -90,10 +90,10 @@ TEST_F(ProgramJson, OfStressHoldsNaiveAndStableErrorsWithTheirBounds) {
 }
 
 TEST_F(ProgramJson, OfPlanHoldsEffectsInAndOutWithTheirReasonsAndCosts) {
-    const json reply = answer(drawingSmall({"plan", "full_frame", "--tessellation=6",
-                                            "--shadow-resolution=128", "--blur=0", "--greyscale=0"}));
-    EXPECT_THAT(names(reply), IsSupersetOf({"scene", "effects", "passes", "gl_calls", "milliseconds",
-                                            "memory_bytes"}));
+    const json reply = answer(drawingSmall(
+        {"plan", "full_frame", "--tessellation=6", "--shadow-resolution=128", "--blur=0", "--greyscale=0"}));
+    EXPECT_THAT(names(reply),
+                IsSupersetOf({"scene", "effects", "passes", "gl_calls", "milliseconds", "memory_bytes"}));
     EXPECT_GT(reply["gl_calls"], 0);
     EXPECT_GT(reply["memory_bytes"], 0);
     std::set<std::string> in;

@@ -1,5 +1,7 @@
 // Files that lie, break off or make no sense: each is loaded or refused with one line, in bounded memory.
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <new>
@@ -12,9 +14,14 @@
 #include <malloc.h>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/random.h"
+#include "scene/animation.h"
+#include "scene/export_gltf.h"
 #include "scene/import_formats.h"
 #include "tests/common/scene/gltf_file.h"
+#include "tests/common/scene/random_scene.h"
+#include "tests/support/temporary_folder.h"
 
 namespace {
 
@@ -71,6 +78,54 @@ struct Outcome {
     std::size_t mostBytes = 0;  ///< allocated at the same time
 };
 
+bool isFinite(const glm::mat4& m) {
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!std::isfinite(m[column][row]))
+                return false;
+    return true;
+}
+
+/// What was loaded is whole: indices in range, one entry a vertex or none, frames of unit length.
+void expectWhole(const Scene& scene) {
+    for (const Mesh& mesh : scene.meshes) {
+        const std::size_t count = mesh.positions.size();
+        EXPECT_EQ(mesh.normals.size(), count);
+        EXPECT_TRUE(mesh.texcoords.empty() || mesh.texcoords.size() == count);
+        EXPECT_TRUE(mesh.texcoords1.empty() || mesh.texcoords1.size() == count);
+        EXPECT_TRUE(mesh.tangents.empty() || mesh.tangents.size() == count);
+        EXPECT_TRUE(mesh.colors.empty() || mesh.colors.size() == count);
+        for (const std::uint32_t index : mesh.indices)
+            EXPECT_LT(index, count);
+        for (const glm::vec3& normal : mesh.normals)
+            EXPECT_NEAR(glm::length(glm::dvec3(normal)), 1, 1e-6);
+        for (const glm::vec4& tangent : mesh.tangents)
+            EXPECT_NEAR(glm::length(glm::dvec3(glm::vec3(tangent))), 1, 1e-6);
+    }
+    for (const Material& material : scene.materials)
+        for (const auto& use : {material.baseColorTexture, material.metallicRoughnessTexture,
+                                material.normalTexture, material.occlusionTexture, material.emissionTexture})
+            if (use)
+                EXPECT_LT(use->texture, scene.textures.size());
+    for (const Instance& instance : scene.instances) {
+        EXPECT_LT(instance.mesh, scene.meshes.size());
+        EXPECT_LT(instance.material, scene.materials.size());
+    }
+    // `pose` checks the indices of what moves.
+    Scene posed = scene;
+    for (const double seconds : {0.0, 0.3, animationSeconds(scene), 1e9}) {
+        pose(posed, seconds);
+        for (const Instance& instance : posed.instances)
+            EXPECT_TRUE(isFinite(instance.worldFromModel));
+        for (const Camera& camera : posed.cameras)
+            EXPECT_TRUE(isFinite(camera.worldFromCamera));
+        for (const Light& light : posed.lights)
+            EXPECT_NEAR(glm::length(glm::dvec3(light.direction)), 1, 1e-6);
+        if (!isAnimated(scene))
+            break;
+    }
+}
+
 Outcome attempt(const std::string& contents, bool isObj = false) {
     Outcome outcome;
     allocatedMost = allocatedNow.load();
@@ -79,19 +134,8 @@ Outcome attempt(const std::string& contents, bool isObj = false) {
         const ImportedScene imported =
             isObj ? importObj(contents, "hostile.obj") : importGltf(contents, "hostile.gltf");
         outcome.loaded = true;
-        // What was loaded is whole: indices in range, normals of unit length.
-        for (const Mesh& mesh : imported.scene.meshes) {
-            EXPECT_EQ(mesh.normals.size(), mesh.positions.size());
-            EXPECT_TRUE(mesh.texcoords.empty() || mesh.texcoords.size() == mesh.positions.size());
-            for (const std::uint32_t index : mesh.indices)
-                EXPECT_LT(index, mesh.positions.size());
-            for (const glm::vec3& normal : mesh.normals)
-                EXPECT_NEAR(glm::length(glm::dvec3(normal)), 1, 1e-6);
-        }
-        for (const Instance& instance : imported.scene.instances) {
-            EXPECT_LT(instance.mesh, imported.scene.meshes.size());
-            EXPECT_LT(instance.material, imported.scene.materials.size());
-        }
+        outcome.mostBytes = allocatedMost - before;
+        expectWhole(imported.scene);
         for (const std::string& warning : imported.warnings)
             EXPECT_EQ(warning.find('\n'), std::string::npos) << warning;
     } catch (const InputError& error) {
@@ -100,7 +144,8 @@ Outcome attempt(const std::string& contents, bool isObj = false) {
         EXPECT_EQ(outcome.error.find('\n'), std::string::npos) << outcome.error;
         EXPECT_LT(outcome.error.size(), 1000u);
     }
-    outcome.mostBytes = allocatedMost - before;
+    if (!outcome.loaded)
+        outcome.mostBytes = allocatedMost - before;
     return outcome;
 }
 
@@ -126,9 +171,27 @@ GltfFile richFile() {
     file.json["extensions"]["KHR_lights_punctual"]["lights"] =
         json::array({{{"type", "spot"}, {"color", {1, 1, 1}}, {"spot", {{"outerConeAngle", 0.5}}}}});
     file.json["nodes"] = json::array();
-    file.node({{"children", {1, 2}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}});
+    file.node({{"children", {1, 2, 3}}});
+    file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] =
+        file.accessor(file.view(std::string(16, '\x77')), "VEC4", 5121, 4, 0, true);
+    file.json["materials"][0]["normalTexture"] = {{"index", 0}, {"texCoord", 0}, {"scale", 2}};
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = {
+        {"KHR_texture_transform", {{"offset", {0, 1}}, {"rotation", 1}, {"scale", {2, 2}}, {"texCoord", 0}}}};
+    const int keys =
+        file.accessor(file.view(GltfFile::bytes(std::vector<float>{0, 1, 2})), "SCALAR", 5126, 3);
+    const int places = file.vec3s(std::vector<glm::vec3>(9, glm::vec3(1, 2, 3)));
+    const int turns = file.accessor(
+        file.view(GltfFile::bytes(std::vector<glm::vec4>(3, glm::vec4(0, 0, 1, 1)))), "VEC4", 5126, 3);
+    file.json["animations"] = {{{"name", "a"},
+                                {"samplers",
+                                 {{{"input", keys}, {"output", places}, {"interpolation", "CUBICSPLINE"}},
+                                  {{"input", keys}, {"output", turns}}}},
+                                {"channels",
+                                 {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}},
+                                  {{"sampler", 1}, {"target", {{"node", 1}, {"path", "rotation"}}}}}}}};
     file.node({{"mesh", 0}, {"translation", {1, 2, 3}}, {"rotation", {0, 0, 0, 1}}, {"scale", {1, -1, 1}}});
     file.node({{"camera", 0}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    file.node({{"mesh", 0}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}});
     file.json["scenes"] = json::array({{{"nodes", {0}}, {"name", "s"}}});
     file.json["scene"] = 0;
     return file;
@@ -220,6 +283,83 @@ TEST(Hostile, EveryValueOfAGltfFileMayBeMissingOrWrong) {
     });
     EXPECT_GT(attempts, 2000);
     EXPECT_GT(refused, attempts / 4);
+}
+
+/// One of many values that do harm, or any other value of the document.
+json oddValue(Random& random, const json& document) {
+    const std::vector<json> odd{nullptr,
+                                -1,
+                                0,
+                                1,
+                                2,
+                                5123,
+                                5126,
+                                1e38,
+                                -1e38,
+                                1e-45,
+                                0.5,
+                                65535u,
+                                4294967295u,
+                                9007199254740992,
+                                true,
+                                "",
+                                "VEC4",
+                                "SCALAR",
+                                "rotation",
+                                "CUBICSPLINE",
+                                json::array(),
+                                json::object(),
+                                json::array({0, 0, 0, 0})};
+    if (random.below(3) > 0)
+        return odd[random.below(odd.size())];
+    std::vector<std::string> places;
+    forEachPlace(document, "", [&](const std::string& place) { places.push_back(place); });
+    return document[json::json_pointer(places[random.below(places.size())])];
+}
+
+TEST(Hostile, WrittenScenesWithBytesAndValuesChangedAreRefusedOrLoad) {
+    const test::TemporaryFolder folder;
+    Random random(4711);
+    int attempts = 0;
+    int loaded = 0;
+    std::size_t most = 0;
+    // QUINCUNX_FUZZ_SCENES asks for more than the suite has time for.
+    const char* const asked = std::getenv("QUINCUNX_FUZZ_SCENES");
+    const std::uint64_t scenes = asked ? std::strtoull(asked, nullptr, 10) : 12;
+    const auto tryOne = [&](const std::string& contents) {
+        const Outcome outcome = attempt(contents);
+        ++attempts;
+        loaded += outcome.loaded;
+        most = std::max(most, outcome.mostBytes);
+    };
+    for (std::uint64_t seed = 0; seed < scenes; ++seed) {
+        exportScene(test::randomScene(seed), folder / "scene.glb");
+        const std::string binary = readFile(folder / "scene.glb", 1 << 24);
+        exportScene(test::randomScene(seed), folder / "scene.gltf");
+        const json document = json::parse(readFile(folder / "scene.gltf", 1 << 24));
+        std::vector<std::string> places;
+        forEachPlace(document, "", [&](const std::string& place) { places.push_back(place); });
+        for (int round = 0; round < 25; ++round) {
+            std::string broken = binary;
+            for (std::uint64_t flips = 1 + random.below(6); flips > 0; --flips)
+                broken[random.below(broken.size())] = static_cast<char>(random.bits());
+            tryOne(broken);
+            json changed = document;
+            for (std::uint64_t changes = 1 + random.below(2); changes > 0; --changes)
+                try {
+                    const json value = oddValue(random, document);
+                    changed[json::json_pointer(places[random.below(places.size())])] = value;
+                } catch (const json::exception&) {
+                    // The place went with an earlier change.
+                }
+            tryOne(changed.dump());
+        }
+    }
+    EXPECT_EQ(attempts, static_cast<int>(50 * scenes));
+    EXPECT_GT(loaded, attempts / 20);
+    EXPECT_LT(loaded, attempts);
+    // The scenes have some 50 kB.
+    EXPECT_LT(most, std::size_t{64} << 20);
 }
 
 TEST(Hostile, LyingHeadersOfBinaryFilesAreRefused) {
