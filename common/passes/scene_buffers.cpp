@@ -36,9 +36,12 @@ std::span<const std::byte> bytesOf(const std::vector<T>& values) {
 void appendVertices(const Mesh& mesh, const VertexExtras& extras, std::vector<float>& floats) {
     std::vector<glm::vec4> made;
     const std::vector<glm::vec4>* tangents = &mesh.tangents;
-    if (extras.tangentsFrom && mesh.tangents.empty() && !mesh.normals.empty()) {
-        const std::vector<glm::vec2>& texcoords =
-            *extras.tangentsFrom == 1 && !mesh.texcoords1.empty() ? mesh.texcoords1 : mesh.texcoords;
+    if (extras.tangentsFor && mesh.tangents.empty() && !mesh.normals.empty()) {
+        const TextureUse& use = *extras.tangentsFor;
+        std::vector<glm::vec2> texcoords =
+            use.texcoordSet == 1 && !mesh.texcoords1.empty() ? mesh.texcoords1 : mesh.texcoords;
+        for (glm::vec2& st : texcoords)
+            st = glm::vec2(use.textureFromTexcoord * glm::vec3(st, 1));
         if (!texcoords.empty()) {
             made = vertexTangents(mesh, texcoords);
             tangents = &made;
@@ -55,7 +58,7 @@ void appendVertices(const Mesh& mesh, const VertexExtras& extras, std::vector<fl
         append(mesh.texcoords, i, glm::vec2(0));
         if (extras.texcoords1)
             append(mesh.texcoords1, i, glm::vec2(0));
-        if (extras.tangentsFrom)
+        if (extras.tangentsFor)
             append(*tangents, i, glm::vec4(0));
         if (extras.colors)
             append(mesh.colors, i, glm::vec4(1));
@@ -192,7 +195,7 @@ MeshBuffers::MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<Vert
         const auto fits = [&](const Contents& store) {
             return store.extras.texcoords1 == extras[m].texcoords1 &&
                    store.extras.colors == extras[m].colors &&
-                   store.extras.tangentsFrom.has_value() == extras[m].tangentsFrom.has_value();
+                   store.extras.tangentsFor.has_value() == extras[m].tangentsFor.has_value();
         };
         auto store = std::find_if(contents.begin(), contents.end(), fits);
         if (store == contents.end())
@@ -220,7 +223,7 @@ MeshBuffers::MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<Vert
             {positionLocation, 3}, {normalLocation, 3}, {texcoordLocation, 2}};
         if (content.extras.texcoords1)
             attributes.push_back({texcoord1Location, 2});
-        if (content.extras.tangentsFrom)
+        if (content.extras.tangentsFor)
             attributes.push_back({tangentLocation, 4});
         if (content.extras.colors)
             attributes.push_back({colorLocation, 4});
