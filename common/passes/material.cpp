@@ -138,8 +138,8 @@ std::vector<VertexExtras> extrasOf(const Scene& scene) {
         VertexExtras& extra = extras[instance.mesh];
         extra.texcoords1 = extra.texcoords1 || features.has(MaterialFeature::secondTexcoords);
         extra.colors = extra.colors || features.has(MaterialFeature::vertexColors);
-        if (features.has(MaterialFeature::normalMap) && !extra.tangentsFrom)
-            extra.tangentsFrom = material.normalTexture->texcoordSet;
+        if (features.has(MaterialFeature::normalMap) && !extra.tangentsFor)
+            extra.tangentsFor = material.normalTexture;
     }
     return extras;
 }

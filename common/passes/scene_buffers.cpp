@@ -9,7 +9,7 @@
 #include "base/check.h"
 #include "base/error.h"
 #include "geometry/normals.h"
-#include "geometry/tangents.h"
+#include "geometry/tangent_frames.h"
 #include "math/projection.h"
 #include "math/transform.h"
 
@@ -33,13 +33,13 @@ std::span<const std::byte> bytesOf(const std::vector<T>& values) {
 
 /// The mesh with tangents, where extras ask for some and it can have them.
 std::optional<Mesh> withTangents(const Mesh& mesh, const VertexExtras& extras) {
-    if (!extras.tangentsFrom || !mesh.tangents.empty() || mesh.normals.empty())
+    if (!extras.tangentsFor || !mesh.tangents.empty() || mesh.normals.empty())
         return std::nullopt;
-    const int set = *extras.tangentsFrom == 1 && !mesh.texcoords1.empty() ? 1 : 0;
+    const int set = extras.tangentsFor->texcoordSet == 1 && !mesh.texcoords1.empty() ? 1 : 0;
     if (set == 0 && mesh.texcoords.empty())
         return std::nullopt;
     Mesh result = mesh;
-    makeTangents(result, set);
+    makeTangents(result, set, extras.tangentsFor->textureFromTexcoord);
     return result;
 }
 
@@ -57,7 +57,7 @@ void appendVertices(const Mesh& mesh, const VertexExtras& extras, std::vector<fl
         append(mesh.texcoords, i, glm::vec2(0));
         if (extras.texcoords1)
             append(mesh.texcoords1, i, glm::vec2(0));
-        if (extras.tangentsFrom)
+        if (extras.tangentsFor)
             append(mesh.tangents, i, glm::vec4(0));
         if (extras.colors)
             append(mesh.colors, i, glm::vec4(1));
@@ -194,7 +194,7 @@ MeshBuffers::MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<Vert
         const auto fits = [&](const Contents& store) {
             return store.extras.texcoords1 == extras[m].texcoords1 &&
                    store.extras.colors == extras[m].colors &&
-                   store.extras.tangentsFrom.has_value() == extras[m].tangentsFrom.has_value();
+                   store.extras.tangentsFor.has_value() == extras[m].tangentsFor.has_value();
         };
         auto store = std::find_if(contents.begin(), contents.end(), fits);
         if (store == contents.end())
@@ -224,7 +224,7 @@ MeshBuffers::MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<Vert
             {positionLocation, 3}, {normalLocation, 3}, {texcoordLocation, 2}};
         if (content.extras.texcoords1)
             attributes.push_back({texcoord1Location, 2});
-        if (content.extras.tangentsFrom)
+        if (content.extras.tangentsFor)
             attributes.push_back({tangentLocation, 4});
         if (content.extras.colors)
             attributes.push_back({colorLocation, 4});

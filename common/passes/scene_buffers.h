@@ -81,8 +81,8 @@ gl::Texture2D makeTexture(const Texture& texture);
 struct VertexExtras {
     bool texcoords1 = false;
     bool colors = false;
-    /// Tangents, made from this set of texture coordinates where the mesh has none.
-    std::optional<int> tangentsFrom = {};
+    /// Tangents, made for this map where the mesh has none.
+    std::optional<TextureUse> tangentsFor = {};
 };
 
 /// Meshes on the device. Those with the same extra attributes share buffers and a vertex array, so that a

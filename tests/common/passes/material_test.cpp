@@ -123,11 +123,12 @@ vec4 at(const Image& image, int x, int y) {
     return {p[0], p[1], p[2], p[3]};
 }
 
-class Materials : public testing::TestWithParam<gl::Backend> {
-  protected:
+/// Draws pictures on a back end.
+class Easel {
+  public:
     static constexpr int size = 64;
 
-    Materials() : context_(gl::createOffscreenContext(GetParam())) {}
+    explicit Easel(gl::Backend backend) : context_(gl::createOffscreenContext(backend)) {}
 
     /// All instances of the scene over black, in linear light.
     Image drawn(const Scene& scene, const glm::mat4& clipFromWorld, vec3 eye,
@@ -173,8 +174,14 @@ class Materials : public testing::TestWithParam<gl::Backend> {
         return drawn(scene, straightAhead(), {0, 0, 5}, params);
     }
 
+  protected:
     std::unique_ptr<gl::Context> context_;
     gl::Executor executor_;
+};
+
+class Materials : public testing::TestWithParam<gl::Backend>, protected Easel {
+  protected:
+    Materials() : Easel(GetParam()) {}
 };
 
 /// Mutations, on one back end.
@@ -599,6 +606,20 @@ TEST_P(BrokenMaterials, BrokenNormalMapsAreNoticed) {
     }
 }
 
+// Moving, turning or mirroring a map by its transform or by the mesh's own coordinates is the same.
+TEST_P(Materials, TangentsFollowTheTransformOfTheMap) {
+    for (const glm::mat3& transform :
+         {glm::mat3(0, 1, 0, 1, 0, 0, 0.25f, 0, 1), glm::mat3(0, -1, 0, 1, 0, 0, 0, 1, 1),
+          glm::mat3(-1, 0, 0, 0, 1, 0, 1, 0, 1)}) {
+        Bumps transformed(glm::mat4(1));
+        Bumps placed(glm::mat4(1));
+        transformed.mapped.materials[0].normalTexture->textureFromTexcoord = transform;
+        for (vec2& st : placed.mapped.meshes[0].texcoords)
+            st = vec2(transform * vec3(st, 1));
+        EXPECT_LE(largestDifference(seenStraight(transformed.mapped), seenStraight(placed.mapped)), 1e-5);
+    }
+}
+
 TEST_P(Materials, TheScaleFlattensANormalMap) {
     Bumps bumps(glm::mat4(1));
     bumps.mapped.materials[0].normalScale = 0;
@@ -772,6 +793,14 @@ TEST_P(Materials, AFeatureThatIsForcedOnChangesNoBitWhereItIsNotUsed) {
                                                   : MaterialFeatures{}.with(static_cast<MaterialFeature>(i));
         EXPECT_EQ(drawnBy(pass, scene, clip, {0, 0, 4}, params), planned) << describe(params.forced);
     }
+}
+
+TEST(MaterialBackends, DrawTheSameBits) {
+    const Scene scene = threeKinds();
+    const glm::mat4 clip =
+        perspective(0.5f, 1, 1, 9) * cameraFromWorld(lookAt({0, 0, 4}, {0, 0, 0}, {0, 1, 0}));
+    EXPECT_EQ(Easel(gl::Backend::osmesa).drawn(scene, clip, {0, 0, 4}),
+              Easel(gl::Backend::egl).drawn(scene, clip, {0, 0, 4}));
 }
 
 TEST_P(Materials, ShadowsAndSurroundingsThatAreForcedOnChangeNoBit) {
