@@ -86,6 +86,12 @@ class Tracer {
         return met.material != nullptr ? shade(met, ray.origin + met.t * ray.direction) : dvec3(0);
     }
 
+    /// How far along a ray the first thing lies that is not a mirror.
+    std::optional<double> distanceAlong(const DRay& ray) const {
+        const Met met = nearest(ray);
+        return met.material != nullptr ? std::optional(met.t) : std::nullopt;
+    }
+
     /// What a mirror that is in front of all else does to a ray.
     struct Bounce {
         int mirror = 0;  ///< 1 the ball, 2 the panel
@@ -245,6 +251,24 @@ Image traceReflectionVectors(const MirrorHall& hall, const Camera& camera, int w
     return look(width, height, nullptr, [&](int x, int y) {
         const auto turned = tracer.bounce(eye.ray(x, y), mirrors);
         return turned ? dvec4(turned->ray.direction, turned->mirror) : dvec4(0);
+    });
+}
+
+Image traceLookupAngles(const MirrorHall& hall, const Camera& camera, int width, int height,
+                        glm::vec3 mapPosition, MirrorsSeen mirrors) {
+    const Tracer tracer(hall);
+    const Eye eye(camera, width, height);
+    return look(width, height, nullptr, [&](int x, int y) {
+        const auto turned = tracer.bounce(eye.ray(x, y), mirrors);
+        if (!turned)
+            return dvec4(0);
+        const std::optional<double> t = tracer.distanceAlong(turned->ray);
+        if (!t)
+            return dvec4(0, 0, 0, turned->mirror);
+        const dvec3 seen = turned->ray.origin + *t * turned->ray.direction - dvec3(mapPosition);
+        const double angle = std::atan2(glm::length(glm::cross(seen, turned->ray.direction)),
+                                        glm::dot(seen, turned->ray.direction));
+        return dvec4(angle, 0, 0, turned->mirror);
     });
 }
 

@@ -29,6 +29,12 @@ Image traceMirrors(const MirrorHall& hall, const Camera& camera, int width, int 
 Image traceReflectionVectors(const MirrorHall& hall, const Camera& camera, int width, int height,
                              MirrorsSeen mirrors = {});
 
+/// How far a lookup by the reflection vector alone is off: the angle, in radians, between that vector and the
+/// direction in which what the mirror shows lies from `mapPosition`. Four channels: the angle, 0, 0, and
+/// which mirror.
+Image traceLookupAngles(const MirrorHall& hall, const Camera& camera, int width, int height,
+                        glm::vec3 mapPosition, MirrorsSeen mirrors = {});
+
 /// All that is seen from a point, the mirrors left out, as a panorama: laid out as panoramaDirection in
 /// shaders/lib/environment_math.glsl. `samples` along a side of a pixel, averaged. RGBA, linear.
 Image tracePanorama(const MirrorHall& hall, glm::vec3 position, int width, int height, int samples = 2,

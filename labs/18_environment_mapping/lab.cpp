@@ -89,7 +89,7 @@ void EnvironmentMappingLab::prepareScene() {
     const MirrorHall hall = currentHall();
     scene_ = std::make_unique<ForwardScene>(quincunx::tessellate(hall, tessellation));
     mirrorScene_ = std::make_unique<ForwardScene>(
-        tessellateMirrors(hall, mirrors().ball, mirrors().panel, tessellation));
+        tessellateMirrors(hall, mirrors().ball, mirrors().panel, std::min(4 * tessellation, 512)));
     builtScene_ = wanted;
 }
 

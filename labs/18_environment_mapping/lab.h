@@ -66,8 +66,9 @@ class EnvironmentMappingLab final : public Lab {
     FloatKnob turn{knobs(), "turn", 0, {-180, 180}, "degrees", "Carries the solids about the ball"};
     BoolKnob solids{knobs(), "solids", true,
                     "The hall's solids; without them its walls are all that is seen"};
-    IntKnob tessellation{knobs(),        "tessellation", 48,
-                         {3, 512, true}, "segments",     "Triangles around each solid, and the ball"};
+    IntKnob tessellation{knobs(),    "tessellation",
+                         48,         {3, 512, true},
+                         "segments", "Triangles around each solid; the mirror has four times as many"};
     IntKnob supersample{knobs(), "supersample", 2,
                         {1, 4},  "per side",    "Samples along a side of a pixel, averaged"};
 

@@ -89,6 +89,18 @@ double vectorSpread(const Image& vectors, int mirror) {
     return std::sqrt(squares / static_cast<double>(count));
 }
 
+double meanAngle(const Image& angles, int mirror) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (int y = 0; y < angles.height; ++y)
+        for (int x = 0; x < angles.width; ++x)
+            if (mirrorAt(angles, x, y) == mirror) {
+                sum += angles.pixel(x, y)[0];
+                ++count;
+            }
+    return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
 double shareOfMap(const Image& vectors, int mirror, int size) {
     std::set<std::tuple<int, int, int>> texels;
     for (int y = 0; y < vectors.height; ++y)

@@ -21,6 +21,9 @@ MirrorFigures compareMirrors(const Image& drawn, const Image& traced, const Imag
 /// mean direction, in radians.
 double vectorSpread(const Image& vectors, int mirror);
 
+/// The mean of the first channel over the pixels of one mirror, for traceLookupAngles.
+double meanAngle(const Image& angles, int mirror);
+
 /// The share of a cube map's directions that a mirror looks up: of the texels of faces of `size`², those that
 /// at least one vector falls on.
 double shareOfMap(const Image& vectors, int mirror, int size);
