@@ -223,7 +223,7 @@ HardCaseFigures runCylinder(std::uint64_t inputs, std::uint64_t seed, const Draw
         const std::optional<Quad> exact = rayCylinderExact(ray, cylinder);
         tally.add(hitError(rayCylinderNaive(ray, radius), exact),
                   hitError(rayCylinderDistance(ray, cylinder), exact),
-                  [&] { return describe(ray, cylinder); });
+                  [&, &ray = ray] { return describe(ray, cylinder); });
     }
     return tally.figures();
 }

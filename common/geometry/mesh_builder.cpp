@@ -105,6 +105,7 @@ void MeshBuilder::tube(std::span<const glm::vec3> points, float radius, int side
         return;
     for (const bool end : {false, true}) {
         std::vector<glm::vec3> cap;
+        cap.reserve(static_cast<std::size_t>(sides));
         for (int k = 0; k < sides; ++k)
             cap.push_back(mesh_.positions[ringAt(end ? count - 1 : 0, end ? k : sides - 1 - k)]);
         polygon(cap);

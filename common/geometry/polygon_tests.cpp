@@ -411,7 +411,8 @@ std::optional<ParallelogramHit> intersectParallelogramExactly(const Ray& ray, co
         return std::nullopt;
 
     // Beside the far edges: the sign of (w − edge) · (first × second), w = o − corner.
-    const auto beyond = [&](double coordinate, glm::vec3 edge, glm::vec3 first, glm::vec3 second) {
+    const auto beyond = [&, &corner = corner](double coordinate, glm::vec3 edge, glm::vec3 first,
+                                              glm::vec3 second) {
         if (std::abs(coordinate - facing) > 0x1p-50 * std::abs(facing))
             return false;
         Expansion excess;

@@ -1,6 +1,7 @@
 #include "geometry/ray_shapes_packed.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -30,10 +31,13 @@ QUINCUNX_ALWAYS_INLINE Components minus(Components a, Components b) {
 QUINCUNX_ALWAYS_INLINE float sumOfSizes(Components a) {
     return std::abs(a.x) + std::abs(a.y) + std::abs(a.z);
 }
-QUINCUNX_ALWAYS_INLINE float larger(float a, float b) {
+/// Of what is not a number, both take `b`, as the instructions do.
+template <typename T>
+QUINCUNX_ALWAYS_INLINE T larger(T a, T b) {
     return a > b ? a : b;
 }
-QUINCUNX_ALWAYS_INLINE float smaller(float a, float b) {
+template <typename T>
+QUINCUNX_ALWAYS_INLINE T smaller(T a, T b) {
     return a < b ? a : b;
 }
 
@@ -50,20 +54,22 @@ QUINCUNX_ALWAYS_INLINE float sphereLane(Components o, Components d, Components c
     const float gap = r * r - dotted(l, l);
     const float far = sumOfSizes(f);
     const float gapError = epsilon * ((12 * sumOfSizes(l) + 0x1p-16f * far) * far + 4 * (r * r));
-    const float half = std::sqrt(larger(gap, 0) * inverse);
+    const float half = std::sqrt(larger(gap, 0.0f) * inverse);
     const float reach = far * sumOfSizes(d) * inverse;
     const float nearer = middle - half;
-    const float farther = middle + half;
-    // Times the gap, to spare a division: half · gapError / gap + 8 ε half + 10 ε (…).
+    const float chosen = nearer > 0 ? nearer : middle + half;
+    // Times the gap, to spare a division: half · gapError / gap + 8 ε half + 10 ε (…). Beside the sphere it
+    // is negative, and then nothing below asks for more.
     const float error = half * gapError + gap * (epsilon * (8 * half + 10 * (reach + std::abs(middle))));
-    const bool inRange = (a > 0x1p-60f) & (a < 0x1p60f) & (r > 0x1p-30f) & (far + r < 0x1p30f);
-    const bool apart = gap < -gapError;
-    const bool through = (gap > gapError) & (error > 0x1p-100f);
-    const bool first = nearer * gap * accepted >= error;
-    const bool behind = farther * gap < -error;
-    const bool inside = (nearer * gap < -error) & (farther * gap * accepted >= error);
-    doubt = inRange & (apart | (through & (first | behind | inside))) ? 0 : 1;
-    return apart | behind ? infinity : first ? nearer : farther;
+    const float nearerGap = std::abs(nearer * gap);
+    const float chosenGap = chosen * gap;
+    // Ahead, t has to be good; behind, its sign.
+    const float certainty = larger(chosenGap * accepted, -chosenGap);
+    const bool settled = (a > 0x1p-60f) & (a < 0x1p60f) & (r > 0x1p-30f) & (far + r < 0x1p30f) &
+                         (std::abs(gap) > gapError) & (std::abs(error) > 0x1p-100f) & (nearerGap > error) &
+                         (certainty >= error);
+    doubt = settled ? 0 : 1;
+    return (gap > 0) & (chosen > 0) ? chosen : infinity;
 }
 
 QUINCUNX_ALWAYS_INLINE float sphereLaneNaive(Components o, Components d, Components c, float r) {
@@ -72,7 +78,7 @@ QUINCUNX_ALWAYS_INLINE float sphereLaneNaive(Components o, Components d, Compone
     const float b = 2 * dotted(w, d);
     const float rest = dotted(w, w) - r * r;
     const float discriminant = b * b - 4 * a * rest;
-    const float root = std::sqrt(larger(discriminant, 0));
+    const float root = std::sqrt(larger(discriminant, 0.0f));
     const float inverse = 1 / (2 * a);
     const float nearer = (-b - root) * inverse;
     const float farther = (-b + root) * inverse;
@@ -80,45 +86,52 @@ QUINCUNX_ALWAYS_INLINE float sphereLaneNaive(Components o, Components d, Compone
     return (discriminant >= 0) & (t >= 0) ? t : infinity;
 }
 
+/// Where a ray crosses the two planes of a slab. Along the slab, the reciprocal is infinite: −∞ … ∞ inside,
+/// and beside it an infinity of either sign twice; in one of its planes 0 · ∞, which is no number, says
+/// nothing.
 struct Slab {
-    float in;
-    float out;  ///< where not in ≤ out, the ray runs in one of the slab's planes: 0 · ∞ says nothing
+    float low;
+    float high;
 };
 
-/// Along the slab, the reciprocal is infinite: −∞ … ∞ inside, and beside it an infinity of either sign twice.
-/// Of the two selections, one passes on the first if it is not a number, the other one the second.
 QUINCUNX_ALWAYS_INLINE Slab slab(float o, float inverse, float low, float high) {
-    const float first = (low - o) * inverse;
-    const float second = (high - o) * inverse;
-    const float in = first < second ? first : second;
-    const float out = second >= first ? second : first;
-    return {in, out};
+    return {(low - o) * inverse, (high - o) * inverse};
 }
 
 /// Whether quotients by these numbers are off by 3 ε of themselves (difference, reciprocal, product), or
-/// infinite where they should be.
+/// infinite where they should be: all sizes between 2^-60 and 2^60 or 0, and not all of them 0. The bits of
+/// sizes are ordered as the sizes are; less 1, those of 0 come last.
 QUINCUNX_ALWAYS_INLINE bool usual(Components d) {
-    const float largest = larger(larger(std::abs(d.x), std::abs(d.y)), std::abs(d.z));
-    const auto atLeast = [](float v) { return (v == 0) | (std::abs(v) > 0x1p-60f); };
-    return (largest < 0x1p60f) & (largest > 0) & atLeast(d.x) & atLeast(d.y) & atLeast(d.z);
+    constexpr std::uint32_t smallest = std::bit_cast<std::uint32_t>(0x1p-60f);
+    constexpr std::uint32_t largest = std::bit_cast<std::uint32_t>(0x1p60f);
+    const auto size = [](float v) { return std::bit_cast<std::uint32_t>(std::abs(v)); };
+    const std::uint32_t x = size(d.x);
+    const std::uint32_t y = size(d.y);
+    const std::uint32_t z = size(d.z);
+    const std::uint32_t least = smaller(smaller(x - 1, y - 1), z - 1);
+    const std::uint32_t most = larger(larger(x, y), z);
+    return (least >= smallest) & (most - 1 < largest);
 }
 
-/// What overflows is an infinity of the right sign, and what underflows is far below 2^-60.
+/// What overflows is an infinity of the right sign, and what underflows is far below 2^-60. Enter e and exit
+/// x are off by 3 ε of themselves, and the sign of x − e is right where |x − e| > 8 ε min(|e|, |x|): for
+/// equal signs the error is at most 3 ε (2 min(|e|, |x|) + |x − e|), and for different ones |x − e| is |e| +
+/// |x|.
 QUINCUNX_ALWAYS_INLINE float boxLane(Components o, Components inverse, Components low, Components high,
-                                     std::int32_t& doubt) {
+                                     bool usual, std::int32_t& doubt) {
     const Slab x = slab(o.x, inverse.x, low.x, high.x);
     const Slab y = slab(o.y, inverse.y, low.y, high.y);
     const Slab z = slab(o.z, inverse.z, low.z, high.z);
-    const float enter = larger(larger(x.in, y.in), z.in);
-    const float exit = smaller(smaller(x.out, y.out), z.out);
-    const float margin = 8 * epsilon * larger(std::abs(enter), std::abs(exit));
-    const bool behind = exit < -0x1p-60f;
-    const bool ahead = (exit > 0x1p-60f) & (exit < 0x1p120f);
-    const bool miss = enter - margin > exit;
-    const bool hit = enter + margin < exit;
-    const bool ordered = (x.in <= x.out) & (y.in <= y.out) & (z.in <= z.out);
-    doubt = ordered & (behind | (ahead & (miss | hit))) ? 0 : 1;
-    return behind | miss ? infinity : larger(enter, 0);
+    const float enter =
+        larger(larger(smaller(x.low, x.high), smaller(y.low, y.high)), smaller(z.low, z.high));
+    const float exit = smaller(smaller(larger(x.high, x.low), larger(y.high, y.low)), larger(z.high, z.low));
+    const float length = exit - enter;
+    const float margin = 8 * epsilon * smaller(smaller(std::abs(enter), std::abs(exit)), 0x1p120f);
+    const bool settled = usual & !std::isunordered(x.low, x.high) & !std::isunordered(y.low, y.high) &
+                         !std::isunordered(z.low, z.high) & (exit < 0x1p120f) & (std::abs(exit) > 0x1p-60f) &
+                         (std::abs(length) > margin);
+    doubt = settled ? 0 : 1;
+    return (length > 0) & (exit > 0) ? larger(enter, 0.0f) : infinity;
 }
 
 QUINCUNX_ALWAYS_INLINE float boxLaneNaive(Components o, Components inverse, Components low, Components high) {
@@ -130,7 +143,7 @@ QUINCUNX_ALWAYS_INLINE float boxLaneNaive(Components o, Components inverse, Comp
     const float z1 = (high.z - o.z) * inverse.z;
     const float enter = larger(larger(smaller(x0, x1), smaller(y0, y1)), smaller(z0, z1));
     const float exit = smaller(smaller(larger(x0, x1), larger(y0, y1)), larger(z0, z1));
-    return (enter < exit) & (exit >= 0) ? larger(enter, 0) : infinity;
+    return (enter < exit) & (exit >= 0) ? larger(enter, 0.0f) : infinity;
 }
 
 struct Pointers {
@@ -151,38 +164,54 @@ QUINCUNX_ALWAYS_INLINE Components reciprocal(Components d) {
     return {1 / d.x, 1 / d.y, 1 / d.z};
 }
 
+// Each returns whether any lane is left to the scalar routine; those have 1 in `doubts`, the others 0.
+
 QUINCUNX_FOR_EACH_VECTOR_UNIT
-void raysToBall(Pointers o, Pointers d, Components c, float r, std::size_t count, float* __restrict t,
-                std::int32_t* __restrict doubts) {
-    for (std::size_t i = 0; i < count; ++i)
+std::int32_t raysToBall(Pointers o, Pointers d, Components c, float r, std::size_t count, float* __restrict t,
+                        std::int32_t* __restrict doubts) {
+    std::int32_t any = 0;
+    for (std::size_t i = 0; i < count; ++i) {
         t[i] = sphereLane({o.x[i], o.y[i], o.z[i]}, {d.x[i], d.y[i], d.z[i]}, c, r, doubts[i]);
+        any |= doubts[i];
+    }
+    return any;
 }
 
 QUINCUNX_FOR_EACH_VECTOR_UNIT
-void rayToBalls(Components o, Components d, Pointers c, const float* __restrict r, std::size_t count,
-                float* __restrict t, std::int32_t* __restrict doubts) {
-    for (std::size_t i = 0; i < count; ++i)
+std::int32_t rayToBalls(Components o, Components d, Pointers c, const float* __restrict r, std::size_t count,
+                        float* __restrict t, std::int32_t* __restrict doubts) {
+    std::int32_t any = 0;
+    for (std::size_t i = 0; i < count; ++i) {
         t[i] = sphereLane(o, d, {c.x[i], c.y[i], c.z[i]}, r[i], doubts[i]);
+        any |= doubts[i];
+    }
+    return any;
 }
 
 QUINCUNX_FOR_EACH_VECTOR_UNIT
-void raysToBox(Pointers o, Pointers d, Components low, Components high, std::size_t count,
-               float* __restrict t, std::int32_t* __restrict doubts) {
+std::int32_t raysToBox(Pointers o, Pointers d, Components low, Components high, std::size_t count,
+                       float* __restrict t, std::int32_t* __restrict doubts) {
+    std::int32_t any = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const Components direction{d.x[i], d.y[i], d.z[i]};
-        std::int32_t doubt = 0;
-        t[i] = boxLane({o.x[i], o.y[i], o.z[i]}, reciprocal(direction), low, high, doubt);
-        doubts[i] = usual(direction) ? doubt : 1;
+        t[i] =
+            boxLane({o.x[i], o.y[i], o.z[i]}, reciprocal(direction), low, high, usual(direction), doubts[i]);
+        any |= doubts[i];
     }
+    return any;
 }
 
 QUINCUNX_FOR_EACH_VECTOR_UNIT
-void rayToBoxes(Components o, Components d, Pointers low, Pointers high, std::size_t count,
-                float* __restrict t, std::int32_t* __restrict doubts) {
+std::int32_t rayToBoxes(Components o, Components d, Pointers low, Pointers high, std::size_t count,
+                        float* __restrict t, std::int32_t* __restrict doubts) {
     const Components inverse = reciprocal(d);
-    for (std::size_t i = 0; i < count; ++i)
-        t[i] =
-            boxLane(o, inverse, {low.x[i], low.y[i], low.z[i]}, {high.x[i], high.y[i], high.z[i]}, doubts[i]);
+    std::int32_t any = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        t[i] = boxLane(o, inverse, {low.x[i], low.y[i], low.z[i]}, {high.x[i], high.y[i], high.z[i]}, true,
+                       doubts[i]);
+        any |= doubts[i];
+    }
+    return any;
 }
 
 QUINCUNX_FOR_EACH_VECTOR_UNIT
@@ -213,7 +242,8 @@ void rayToBoxesNaive(Components o, Components d, Pointers low, Pointers high, st
         t[i] = boxLaneNaive(o, inverse, {low.x[i], low.y[i], low.z[i]}, {high.x[i], high.y[i], high.z[i]});
 }
 
-/// Calls `fill(begin, count, doubts)` for block after block, and `settle(index)` for what it leaves open.
+/// Calls `fill(begin, count, doubts)` for block after block, and `settle(index)` for what it says it leaves
+/// open.
 template <typename Fill, typename Settle>
 std::size_t inBlocks(std::size_t size, const Fill& fill, const Settle& settle) {
     constexpr std::size_t blockSize = 256;
@@ -221,11 +251,7 @@ std::size_t inBlocks(std::size_t size, const Fill& fill, const Settle& settle) {
     std::size_t settled = 0;
     for (std::size_t begin = 0; begin < size; begin += blockSize) {
         const std::size_t count = std::min(blockSize, size - begin);
-        fill(begin, count, doubts.data());
-        std::int32_t any = 0;
-        for (std::size_t i = 0; i < count; ++i)
-            any |= doubts[i];
-        if (any == 0)
+        if (fill(begin, count, doubts.data()) == 0)
             continue;
         for (std::size_t i = 0; i < count; ++i)
             if (doubts[i] != 0) {
@@ -274,8 +300,8 @@ std::size_t intersectPacked(const RayArrays& rays, const Ball& ball, std::span<f
     return inBlocks(
         t.size(),
         [&](std::size_t begin, std::size_t count, std::int32_t* doubts) {
-            raysToBall(pointersOf(rays.origin, begin), pointersOf(rays.direction, begin),
-                       componentsOf(ball.centre), ball.radius, count, t.data() + begin, doubts);
+            return raysToBall(pointersOf(rays.origin, begin), pointersOf(rays.direction, begin),
+                              componentsOf(ball.centre), ball.radius, count, t.data() + begin, doubts);
         },
         [&](std::size_t i) { t[i] = sphereScalar(rays.at(i), ball); });
 }
@@ -285,8 +311,9 @@ std::size_t intersectPacked(const Ray& ray, const BallArrays& balls, std::span<f
     return inBlocks(
         t.size(),
         [&](std::size_t begin, std::size_t count, std::int32_t* doubts) {
-            rayToBalls(componentsOf(ray.origin), componentsOf(ray.direction), pointersOf(balls.centre, begin),
-                       balls.radius.data() + begin, count, t.data() + begin, doubts);
+            return rayToBalls(componentsOf(ray.origin), componentsOf(ray.direction),
+                              pointersOf(balls.centre, begin), balls.radius.data() + begin, count,
+                              t.data() + begin, doubts);
         },
         [&](std::size_t i) { t[i] = sphereScalar(ray, balls.at(i)); });
 }
@@ -300,8 +327,8 @@ std::size_t intersectPacked(const RayArrays& rays, const Bounds& box, std::span<
     return inBlocks(
         t.size(),
         [&](std::size_t begin, std::size_t count, std::int32_t* doubts) {
-            raysToBox(pointersOf(rays.origin, begin), pointersOf(rays.direction, begin),
-                      componentsOf(box.min), componentsOf(box.max), count, t.data() + begin, doubts);
+            return raysToBox(pointersOf(rays.origin, begin), pointersOf(rays.direction, begin),
+                             componentsOf(box.min), componentsOf(box.max), count, t.data() + begin, doubts);
         },
         [&](std::size_t i) { t[i] = boxScalar(rays.at(i), box); });
 }
@@ -316,8 +343,9 @@ std::size_t intersectPacked(const Ray& ray, const BoxArrays& boxes, std::span<fl
     return inBlocks(
         t.size(),
         [&](std::size_t begin, std::size_t count, std::int32_t* doubts) {
-            rayToBoxes(componentsOf(ray.origin), componentsOf(ray.direction), pointersOf(boxes.min, begin),
-                       pointersOf(boxes.max, begin), count, t.data() + begin, doubts);
+            return rayToBoxes(componentsOf(ray.origin), componentsOf(ray.direction),
+                              pointersOf(boxes.min, begin), pointersOf(boxes.max, begin), count,
+                              t.data() + begin, doubts);
         },
         [&](std::size_t i) { t[i] = boxScalar(ray, boxes.at(i)); });
 }

@@ -14,8 +14,8 @@
 /// Hit or miss is decided exactly, as `raySphere` and `rayBox` do: float arithmetic with a bound on its
 /// rounding errors settles nearly all pairs, and the scalar routines those that it leaves open. t is within
 /// 2^-14 of its value, relative, as far as float's range lets. Held by PackedRayShapes.*.
-/// One ray against many shapes takes 1.05 to 1.15 times what the machine's vector units need for the
-/// operations, many rays against one 1.4 times; 2 to 2.5 times the textbook's form (bench_intersect).
+/// They take 0.9 to 1.15 times what the machine's vector units need for the operations, and 1.6 to 2.1 times
+/// the textbook's form (bench_intersect).
 namespace quincunx {
 
 struct BallArrays {

@@ -279,7 +279,7 @@ std::optional<TriangleHit> intersectTriangleOracle(const Ray& ray, const Triangl
     addTripleProduct(height, -1, o, a, b);
     addTripleProduct(height, -1, o, b, c);
     addTripleProduct(height, -1, o, c, a);
-    const auto compare = [&](float limit) {
+    const auto compare = [&, &a = a, &b = b, &c = c, &d = d](float limit) {
         if (std::isinf(limit))
             return limit < 0 ? 1 : -1;
         ExactSum excess = height;

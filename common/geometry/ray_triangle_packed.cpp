@@ -13,8 +13,6 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-using detail::crossed;
-using detail::dotted;
 using detail::larger;
 using detail::largestSize;
 using detail::minus;

@@ -260,7 +260,7 @@ const Program::Uniform* Program::find(std::string_view name, std::string_view gi
                                         [](const Uniform& a, std::string_view b) { return a.name < b; });
     const auto where = [&] { return fmt::format("program \"{}\", uniform \"{}\"", files_.label, name); };
     if (found == uniforms_.end() || found->name != name) {
-        if (!std::binary_search(words_.begin(), words_.end(), firstWord(name), std::less<std::string_view>()))
+        if (!std::binary_search(words_.begin(), words_.end(), firstWord(name), std::less<>()))
             throw GlError("the shaders have no such name", where());
         return nullptr;
     }

@@ -327,8 +327,9 @@ Image8 errorMap(const Image& perPixel, float maximum) {
     for (std::size_t i = 0; i < perPixel.data.size(); ++i) {
         const float value = perPixel.data[i] / maximum;
         const std::array<std::uint8_t, 3>& colour =
-            std::isnan(value) ? notANumber
-                              : colours[static_cast<std::size_t>(255 * std::clamp(value, 0.0F, 1.0F) + 0.5F)];
+            std::isnan(value)
+                ? notANumber
+                : colours[static_cast<std::size_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)))];
         std::copy(colour.begin(), colour.end(), image.data.begin() + static_cast<std::ptrdiff_t>(3 * i));
     }
     return image;

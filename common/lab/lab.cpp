@@ -33,6 +33,8 @@ std::string Bound::text() const {
     return {};
 }
 
+// Those who take a scene keep it.
+// NOLINTNEXTLINE(performance-unnecessary-value-param)
 void Lab::useScene(Scene) {
     throw InputError("this lab draws its own scene only", "--model", "leave --model out");
 }

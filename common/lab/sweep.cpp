@@ -38,12 +38,12 @@ std::vector<KnobValues> completePoints(const std::vector<KnobValues>& points, co
     for (const KnobValues& point : points)
         for (const auto& [name, value] : point)
             if (std::none_of(named.begin(), named.end(),
-                             [&](const auto& known) { return known.first == name; }))
+                             [&, &name = name](const auto& known) { return known.first == name; }))
                 named.emplace_back(name, knobs.find(name).text());
     std::vector<KnobValues> complete(points.size(), named);
     for (std::size_t i = 0; i < points.size(); ++i)
         for (const auto& [name, value] : points[i])
-            std::find_if(complete[i].begin(), complete[i].end(), [&](const auto& knob) {
+            std::find_if(complete[i].begin(), complete[i].end(), [&, &name = name](const auto& knob) {
                 return knob.first == name;
             })->second = value;
     return complete;

@@ -221,9 +221,8 @@ HardCaseFigures runHomogenize(std::uint64_t inputs, std::uint64_t seed) {
             naiveError = ulps(homogenizeNaive(p));
             if (stable.kind == (p.w > 0 ? HomogeneousKind::point : HomogeneousKind::behind))
                 stableError = ulps(stable.value);
-        } else if (stable.kind == HomogeneousKind::direction && isFinite(stable.value)) {
-            stableError = 0;
-        } else if (stable.kind == HomogeneousKind::nothing && glm::vec3(p) == glm::vec3(0)) {
+        } else if ((stable.kind == HomogeneousKind::direction && isFinite(stable.value)) ||
+                   (stable.kind == HomogeneousKind::nothing && glm::vec3(p) == glm::vec3(0))) {
             stableError = 0;
         }
         tally.add(naiveError, stableError, [&] { return "p=" + hexVector(p) + fmt::format(" w={:a}", p.w); });
@@ -381,9 +380,9 @@ HardCaseFigures runOrthographic(std::uint64_t inputs, std::uint64_t seed) {
             return worst;
         };
         tally.add(error(orthographicNaive(left, right, bottom, top, near, far)),
-                  error(orthographic(left, right, bottom, top, near, far)), [&] {
-                      return fmt::format("x=({:a},{:a}) y=({:a},{:a}) z=({:a},{:a})", left, right, bottom,
-                                         top, near, far);
+                  error(orthographic(left, right, bottom, top, near, far)), [&planes] {
+                      return fmt::format("x=({:a},{:a}) y=({:a},{:a}) z=({:a},{:a})", planes[0], planes[1],
+                                         planes[2], planes[3], planes[4], planes[5]);
                   });
     }
     return tally.figures();

@@ -69,13 +69,23 @@ class Screen {
     std::size_t bytesPerLine_ = 0;
 };
 
+/// Waits until `condition` holds; returns the seconds since `start`. Stops the program where it never does.
+template <typename Condition>
+double secondsUntil(Clock::time_point start, const Condition& condition) {
+    constexpr double patienceSeconds = 60;
+    while (!condition()) {
+        QX_CHECK_LE(secondsSince(start), patienceSeconds);
+        usleep(1000);
+    }
+    return secondsSince(start);
+}
+
 /// Starts a lab's window on the model, waits for its picture, and ends it.
 double secondsToPicture(const Screen& screen, const fs::path& program, const fs::path& model) {
     // The panel stands to the right of the picture: the picture's middle is here.
     constexpr std::size_t x = 320;
     constexpr std::size_t y = 240;
-    while (screen.pixel(x, y) != 0)
-        usleep(1000);
+    secondsUntil(Clock::now(), [&] { return screen.pixel(x, y) == 0; });
     const std::vector<std::string> command = {program.string(), "--backend", "window",      "--size",
                                               "640x480",        "--model",   model.string()};
     std::vector<char*> arguments;
@@ -85,9 +95,7 @@ double secondsToPicture(const Screen& screen, const fs::path& program, const fs:
     const Clock::time_point start = Clock::now();
     pid_t process = 0;
     QX_CHECK_EQ(posix_spawn(&process, arguments[0], nullptr, nullptr, arguments.data(), environ), 0);
-    while (screen.pixel(x, y) == 0 && secondsSince(start) < 60)
-        usleep(1000);
-    const double seconds = secondsSince(start);
+    const double seconds = secondsUntil(start, [&] { return screen.pixel(x, y) != 0; });
     kill(process, SIGTERM);
     int status = 0;
     QX_CHECK_EQ(waitpid(process, &status, 0), process);

@@ -112,6 +112,21 @@ TEST(PackedRayShapes, LeaveLittleToTheScalarOnesInAUsualScene) {
     EXPECT_LE(intersectPacked(rays, Bounds{{-1, -1, -1}, {1, 1, 1}}, t), 20u);
 }
 
+TEST(PackedRayShapes, ParallelRaysBesideABoxAreNoHarderThanOthers) {
+    StressInputs draw(4);
+    for (int axis = 0; axis < 3; ++axis) {
+        RayArrays rays;
+        for (int i = 0; i < 5000; ++i) {
+            Ray ray{draw.vectorOfMagnitude(-1, 2), glm::vec3(0)};
+            ray.direction[axis] = i % 2 == 0 ? 1.0f : -1.0f;
+            rays.add(ray);
+        }
+        std::vector<float> t(rays.size());
+        EXPECT_LE(intersectPacked(rays, Bounds{{-1, -1, -1}, {1, 1, 1}}, t), 5u) << axis;
+        EXPECT_GT(std::count(t.begin(), t.end(), infinity), 1000) << axis;
+    }
+}
+
 TEST(PackedRayShapes, NaiveOnesAgreeWhereNothingIsHard) {
     StressInputs draw(3);
     RayArrays rays;

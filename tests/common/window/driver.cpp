@@ -19,7 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// On a busy machine a first frame takes seconds.
-constexpr std::chrono::seconds patience{20};
+constexpr std::chrono::seconds patience{20 * patienceFactor};
 constexpr std::chrono::milliseconds pollInterval{2};
 
 /// So often in a row, so long apart, is the program found asleep before it counts as settled.
@@ -181,7 +181,7 @@ DrivenWindow::DrivenWindow(const Options& options) : options_(options), screen_(
                                         "--backend",
                                         "window",
                                         "--size",
-                                        std::to_string(width) + "x" + std::to_string(options.height),
+                                        std::to_string(options.width) + "x" + std::to_string(options.height),
                                         "--record",
                                         "record.json"};
     command.insert(command.end(), options.words.begin(), options.words.end());
@@ -192,7 +192,7 @@ DrivenWindow::DrivenWindow(const Options& options) : options_(options), screen_(
     // The picture has more than one colour as soon as it is there.
     const bool open = waitUntil([this] {
         const std::optional<Area> found = screen_->find(options_.lab);
-        if (!found || found->width <= width)
+        if (!found || found->width <= options_.width)
             return false;
         area_ = *found;
         const Image8 seen = picture();

@@ -64,6 +64,7 @@ class DrivenWindow {
 
     struct Options {
         std::string lab = "10_shading";  ///< folder name
+        int width = DrivenWindow::width;
         int height = DrivenWindow::height;
         std::vector<std::string> words = {};
         std::vector<std::string> environment = {};
@@ -75,7 +76,9 @@ class DrivenWindow {
     Screen& screen() { return *screen_; }
     const TemporaryFolder& folder() const { return folder_; }
     Area area() const { return area_; }
-    Area pictureArea() const { return {0, 0, width, options_.height}; }
+    Area pictureArea() const { return {0, 0, options_.width, options_.height}; }
+    /// What lies beside it.
+    Area panelArea() const { return {options_.width, 0, area_.width - options_.width, area_.height}; }
     Image8 picture() const { return screen_->look(pictureArea()); }
 
     /// Sends real events (words of xdotool) and waits until the window has answered.
