@@ -24,7 +24,8 @@ struct MotionBlurParams {
     Camera cameraOpen;
     Camera cameraClose;
     std::vector<MovingInstance> instances = {};  ///< only these are drawn; all else is at rest in the world
-    /// Asked for when the pass runs, and not at all without instances.
+    /// The scene's, up to date for this frame. Asked for when the pass runs, and not at all without
+    /// instances.
     std::function<const SceneBuffers&()> buffers = {};
     float maxLengthPixels = 40;  ///< 0 … 256: longer ways are cut to this length
     int taps = 24;               ///< of each of two layers, 1 … 1024

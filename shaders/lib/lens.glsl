@@ -9,7 +9,7 @@
 // before the plane of focus, positive behind it, within ±most. It is K (1/focus − 1/distance), and 1/distance is affine
 // in the depth, so that its values at the near and at the far plane are all it takes; the far plane may be infinitely
 // far. Potmesil, Chakravarty, "A lens and aperture camera model for synthetic image generation", SIGGRAPH 1981. Within
-// 2^-23 (|1 − depth| |atNear| + depth |atFar|).
+// 2^-22 (|1 − depth| |atNear| + depth |atFar|).
 QUINCUNX_INLINE float circleOfConfusion(float depth, float atNear, float atFar, float most) {
     return clamp((1.0f - depth) * atNear + depth * atFar, -most, most);
 }

@@ -5,9 +5,15 @@
 #define QUINCUNX_INLINE
 #endif
 
-// The way from a to b, cut where w falls below `lowest`.
-QUINCUNX_INLINE vec4 cutBelow(vec4 a, vec4 b, float lowest) {
-    return a.w < lowest ? a + ((lowest - a.w) / (b.w - a.w)) * (b - a) : a;
+// Where the picture shows the first point of the way from a to b whose w is not below `lowest` > 0: −1 … 1 inside it,
+// and within ±2^60.
+QUINCUNX_INLINE vec2 placeOnWay(vec4 a, vec4 b, float lowest) {
+    vec2 place = vec2(a.x, a.y) / a.w;
+    if (a.w < lowest) {
+        float share = (lowest - a.w) / (b.w - a.w);
+        place = vec2(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)) / lowest;
+    }
+    return clamp(place, vec2(-1.1529215e18f), vec2(1.1529215e18f));
 }
 
 // How far a point moves over the picture, in pixels, between two places in clip space. A point that passes the
@@ -19,9 +25,7 @@ QUINCUNX_INLINE vec2 screenMotion(vec4 open, vec4 close, vec2 sizePixels, float 
     if (!(deepest > 0.0f))
         return vec2(0.0f);
     float lowest = 0.0625f * deepest;
-    vec4 a = cutBelow(open, close, lowest);
-    vec4 b = cutBelow(close, open, lowest);
-    vec2 motion = 0.5f * sizePixels * (vec2(b.x, b.y) / b.w - vec2(a.x, a.y) / a.w);
+    vec2 motion = 0.5f * sizePixels * (placeOnWay(close, open, lowest) - placeOnWay(open, close, lowest));
     // The larger side first: squares of long ways would overflow.
     float larger = max(abs(motion.x), abs(motion.y));
     if (!(larger > 0.0f))

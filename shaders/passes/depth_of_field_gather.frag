@@ -68,9 +68,11 @@ void main() {
             // the ring around it.
             float away = reach * spiralShare(i, k, taps);
             float ring = 6.28318531 * reach * away / float(taps);
-            ivec2 there = clamp(ivec2(floor(gl_FragCoord.xy + away * direction)), ivec2(0), last);
+            vec2 texel = floor(gl_FragCoord.xy + away * direction) + 0.5;
+            ivec2 there = clamp(ivec2(texel), ivec2(0), last);
             float cocThere = cocAt(there);
-            float weight = isBefore(cocThere, coc) * discCover(abs(cocThere), away) * ring / discArea(abs(cocThere));
+            float cover = discCover(abs(cocThere), distance(texel, gl_FragCoord.xy));
+            float weight = isBefore(cocThere, coc) * cover * ring / discArea(abs(cocThere));
             if (weight > 0.0) {
                 before += weight * vec4(lightAt(there), 1.0);
                 behind.a += weight * abs(cocThere);

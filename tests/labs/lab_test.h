@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "image/image.h"
 #include "lab/lab.h"
 #include "lab/studio.h"
+#include "tests/support/broken_shaders.h"
 
 /// What the tests of all labs share.
 namespace quincunx::test {
@@ -26,22 +26,6 @@ bool isFinite(const Image& image);
 
 /// For INSTANTIATE_TEST_SUITE_P over back ends.
 std::string nameOfBackend(const testing::TestParamInfo<gl::Backend>& info);
-
-/// A copy of the shaders in which one place is broken; assets come from it while this lives.
-class BrokenShaders {
-  public:
-    /// Replaces the first `from` of a file under shaders/ by `to`.
-    BrokenShaders(const std::string& file, const std::string& from, const std::string& to);
-    ~BrokenShaders();
-    BrokenShaders(const BrokenShaders&) = delete;
-    BrokenShaders& operator=(const BrokenShaders&) = delete;
-    /// False if the file no longer holds what was to be broken.
-    bool found() const { return found_; }
-
-  private:
-    std::filesystem::path root_;
-    bool found_ = false;
-};
 
 /// The lab answers just these questions, in words and in figures, at least two of them with a bound, and all
 /// bounds hold.

@@ -105,8 +105,9 @@ void expectWhole(const Scene& scene) {
     for (const Material& material : scene.materials)
         for (const auto& use : {material.baseColorTexture, material.metallicRoughnessTexture,
                                 material.normalTexture, material.occlusionTexture, material.emissionTexture})
-            if (use)
+            if (use) {
                 EXPECT_LT(use->texture, scene.textures.size());
+            }
     for (const Instance& instance : scene.instances) {
         EXPECT_LT(instance.mesh, scene.meshes.size());
         EXPECT_LT(instance.material, scene.materials.size());
