@@ -23,12 +23,19 @@ struct ProcessResult {
     std::string text() const;
 };
 
+/// How much longer programs may take than they do unsanitized.
+#ifdef __SANITIZE_ADDRESS__
+inline constexpr int patienceFactor = 10;
+#else
+inline constexpr int patienceFactor = 1;
+#endif
+
 struct ProcessOptions {
     std::filesystem::path folder;  ///< working directory; empty: the test's own
     /// Added to the test's own environment; "NAME=" sets it empty.
     std::vector<std::string> environment;
     std::filesystem::path out;  ///< where stdout goes instead of into `ProcessResult::out`
-    std::chrono::seconds timeout{60};
+    std::chrono::seconds timeout{60 * patienceFactor};
 };
 
 /// A program that runs beside the test, in a process group of its own, with nothing on its stdin.

@@ -19,7 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// On a busy machine a first frame takes seconds.
-constexpr std::chrono::seconds patience{20};
+constexpr std::chrono::seconds patience{20 * patienceFactor};
 constexpr std::chrono::milliseconds pollInterval{2};
 
 /// So often in a row, so long apart, is the program found asleep before it counts as settled.
