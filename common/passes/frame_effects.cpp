@@ -18,8 +18,9 @@ std::string nameOf(const Light& light) {
     const char* const kind = light.kind == Light::Kind::directional ? "sun"
                              : light.kind == Light::Kind::spot      ? "spot"
                                                                     : "lamp";
-    return light.name.empty() ? fmt::format("the {}", kind)
-                              : fmt::format("the {} '{}'", kind, printable(light.name, 40));
+    return light.name.empty() || light.name == kind
+               ? fmt::format("the {}", kind)
+               : fmt::format("the {} '{}'", kind, printable(light.name, 40));
 }
 
 std::string counted(std::size_t count, const char* thing) {

@@ -199,7 +199,7 @@ TEST(FullFrame30Lab, BrokenShadersAreSeen) {
     }
 }
 
-TEST(FullFrame30Lab, ThePictureIsTheGoldenOne) {
+TEST(FullFrame30Goldens, TheEveningIsAsItWas) {
     FullFrameLab lab;
     lab.tessellation.set(24);
     Studio studio(gl::Backend::automatic);
