@@ -149,7 +149,9 @@ ObjectBlock makeObjectBlock(const Material& material, const glm::mat4& worldFrom
     block.diffuse = glm::vec4(material.diffuse,
                               material.alphaMode == Material::AlphaMode::mask ? material.alphaCutoff : 0);
     block.specular = glm::vec4(material.specular, material.shininess);
-    block.emission = glm::vec4(material.emission, material.baseColor.a);
+    // The factor is the brightest that a texture makes of it, mostly in few places.
+    block.emission =
+        glm::vec4(material.emissionTexture ? glm::vec3(0) : material.emission, material.baseColor.a);
     return block;
 }
 

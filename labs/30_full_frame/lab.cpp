@@ -155,6 +155,19 @@ graph::Resource FullFrameLab::build(graph::FrameGraph& graph, const Frame& frame
     return showPlan ? addPlanPass(graph, frame, picture) : picture;
 }
 
+std::string FullFrameLab::fitted(std::string words, float sizePixels, float widthPixels) {
+    if (labels_.extent(words, sizePixels).x <= widthPixels)
+        return words;
+    constexpr const char* dots = "…";
+    while (!words.empty() && labels_.extent(words + dots, sizePixels).x > widthPixels) {
+        // A character of UTF-8 ends at its first byte.
+        while (words.size() > 1 && (static_cast<unsigned char>(words.back()) & 0xc0) == 0x80)
+            words.pop_back();
+        words.pop_back();
+    }
+    return words + dots;
+}
+
 graph::Resource FullFrameLab::addPlanPass(graph::FrameGraph& graph, const Frame& frame,
                                           graph::Resource picture) {
     const graph::Resource written =
@@ -178,7 +191,8 @@ graph::Resource FullFrameLab::addPlanPass(graph::FrameGraph& graph, const Frame&
              labels_.plate({0, 0}, {size.x, line * (rows + 1)}, {0, 0, 0, 0.55f});
              const auto write = [&](const std::string& words, float x, std::size_t row,
                                     const glm::vec4& color) {
-                 labels_.text(words, {x, line * (0.5f + static_cast<float>(row))},
+                 labels_.text(fitted(words, line, size.x - x - 0.5f * line),
+                              {x, line * (0.5f + static_cast<float>(row))},
                               {.sizePixels = line, .color = color});
              };
              for (std::size_t i = 0; i < plan.effects.size(); ++i) {

@@ -62,6 +62,8 @@ class FullFrameLab final : public Lab {
     void prepareScene();
     void placeAt(double seconds);
     std::vector<glm::mat4> placementsAt(double seconds);
+    /// As many of the words as there is room for.
+    std::string fitted(std::string words, float sizePixels, float widthPixels);
     graph::Resource addPlanPass(graph::FrameGraph& graph, const Frame& frame, graph::Resource picture);
 
     Scene scene_;
