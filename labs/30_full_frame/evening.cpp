@@ -91,7 +91,8 @@ Scene makeEvening(int segments) {
             {.diffuse = glm::vec3(0.05f), .specular = glm::vec3(0.93f), .metallic = 1, .roughness = 0.03f}),
         at({3.1f, 0.8f, 5.2f}));
     const glm::vec3 tints[] = {{0.75f, 0.12f, 0.16f}, {0.14f, 0.5f, 0.3f}, {0.16f, 0.3f, 0.8f}};
-    for (int i = 0; i < 3; ++i)
+    // The nearest first: the order in the scene is not the one to draw them in.
+    for (int i = 2; i >= 0; --i)
         add(scene, "pane " + std::to_string(i + 1), Drum{0.75, 0.04, 0.02}, segments,
             glass("glass " + std::to_string(i + 1), tints[i], 0.42f),
             at({-0.6f + 0.62f * static_cast<float>(i), 0.8f, 6.4f + 0.45f * static_cast<float>(i)}) *
