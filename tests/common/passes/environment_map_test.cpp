@@ -201,8 +201,8 @@ TEST_P(EnvironmentMaps, PrefilteringKeepsTheLight) {
     const glm::dvec3 source = meanLight(map.radiance(), 0);
     for (int level = 1; level < map.levels(); ++level)
         for (int c = 0; c < 3; ++c)
-            // Measured 0.06 at most, where a few coarse texels are all that is read: each is the mean of four,
-            // whatever their angles, which differ by up to 5.2 over a face.
+            // Measured 0.06 at most, where a few coarse texels are all that is read: each is the mean of
+            // four, whatever their angles, which differ by up to 5.2 over a face.
             EXPECT_NEAR(meanLight(map.radiance(), level)[c] / source[c], 1, level < 3 ? 0.03 : 0.08) << level;
     for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(meanLight(map.irradiance(), 0)[c] / source[c], 1, 0.01);
