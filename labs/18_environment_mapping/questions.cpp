@@ -87,7 +87,7 @@ std::vector<Measurement> measurePlanes(Studio& studio) {
         figures.push_back({fmt::format("{}: slope of that angle over the distance, log-log", name),
                            slope(angles), "", equals(-1, 0.15)});
         figures.push_back({fmt::format("{}: slope of the error over the distance, log-log", name),
-                           slope(errors), "", atMost(-0.35)});
+                           slope(errors), "", atMost(-0.5)});
     }
     bench.lab.distance.set(1);
 
@@ -103,7 +103,7 @@ std::vector<Measurement> measurePlanes(Studio& studio) {
         figures.push_back(
             {fmt::format("{}, empty hall: with box projection", name), corrected, "of linear light", {}});
         figures.push_back({fmt::format("{}, empty hall: error left by box projection", name),
-                           corrected / plain, "times", atMost(0.3)});
+                           corrected / plain, "times", atMost(0.1)});
     }
     bench.lab.solids.set(true);
     const double corrected = bench.error(Reflector::plane);
