@@ -52,7 +52,7 @@ class LeavingOut {
 void measure(Lab& lab, Studio& studio, const Frame& frame, std::vector<Measured>& variants) {
     constexpr double patienceSeconds = 6;
     constexpr int mostFrames = 24;
-    constexpr int rounds = 4;
+    constexpr int rounds = 3;
     const LeavingOut restored(lab);
     double once = 0;
     for (Measured& variant : variants) {
@@ -62,7 +62,7 @@ void measure(Lab& lab, Studio& studio, const Frame& frame, std::vector<Measured>
         variant.targetBytes = cost.targetBytes;
         once += studio.time(lab, frame, 1, 0).medianSeconds;
     }
-    const int frames = std::clamp(static_cast<int>(patienceSeconds / (once * rounds)), 2, mostFrames);
+    const int frames = std::clamp(static_cast<int>(patienceSeconds / (once * rounds)), 1, mostFrames);
     Progress progress("plan", static_cast<std::size_t>(rounds));
     for (int round = 0; round < rounds; ++round) {
         for (Measured& variant : variants) {

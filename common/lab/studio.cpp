@@ -1,5 +1,6 @@
 #include "lab/studio.h"
 
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,23 @@
 #include "scene/import.h"
 
 namespace quincunx {
+namespace {
+
+/// Of the targets that a frame shares among its resources; what other frames left is not its own.
+std::size_t targetBytesOf(const graph::FrameGraph& graph) {
+    const graph::Plan plan = graph.compile();
+    std::vector<std::size_t> bySlot(plan.slotCount, 0);
+    for (std::size_t r = 0; r < graph.resourceCount(); ++r) {
+        const graph::ResourceDescription& resource = graph.resource({r});
+        if (plan.lifetimes[r].used)
+            bySlot[plan.lifetimes[r].slot] = static_cast<std::size_t>(resource.width) *
+                                             static_cast<std::size_t>(resource.height) *
+                                             graph::bytesPerTexel(resource.format);
+    }
+    return std::accumulate(bySlot.begin(), bySlot.end(), std::size_t{0});
+}
+
+}  // namespace
 
 Studio::~Studio() {
     if (context_)
@@ -91,15 +109,14 @@ graph::FrameGraph Studio::graph(Lab& lab, const Frame& frame) {
 Studio::FrameCost Studio::cost(Lab& lab, const Frame& frame, int repeats) {
     QX_CHECK_GE(repeats, 1);
     context();
-    // Targets that other frames left are kept for eight frames.
-    constexpr int warmUps = 10;
+    constexpr int warmUps = 2;
     for (int i = 0; i < warmUps; ++i)
         draw(lab, frame);
     FrameCost result;
     const std::uint64_t before = gl::callCount();
     draw(lab, frame);
     result.glCalls = gl::callCount() - before;
-    result.targetBytes = executor_->targetBytes();
+    result.targetBytes = targetBytesOf(graph(lab, frame));
     std::vector<std::vector<double>> seconds;
     for (int i = 0; i < repeats; ++i) {
         throwIfInterrupted();
