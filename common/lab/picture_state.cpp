@@ -25,11 +25,15 @@ Json toJson(const Camera& camera) {
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
             columns.push_back(camera.worldFromCamera[column][row]);
-    // JSON has no infinity: a camera without a far plane leaves the far distance out.
+    // JSON has no infinity: a camera without a far plane leaves the far distance out, and a lens that is
+    // focused at infinity the focus.
     Json json{
         {"world_from_camera", columns}, {"fov_y_radians", camera.fovYRadians}, {"near", camera.nearDistance}};
     if (std::isfinite(camera.farDistance))
         json["far"] = camera.farDistance;
+    json["aperture_radius"] = camera.apertureRadius;
+    if (std::isfinite(camera.focusDistance))
+        json["focus_distance"] = camera.focusDistance;
     return json;
 }
 
@@ -89,9 +93,15 @@ Camera parseCamera(const Json& json) {
     camera.nearDistance = parseFloat(json.at("near"));
     camera.farDistance =
         json.contains("far") ? parseFloat(json.at("far")) : std::numeric_limits<float>::infinity();
-    const bool sane = camera.fovYRadians > 0 && camera.fovYRadians < std::numbers::pi_v<float> &&
-                      isRigid(camera.worldFromCamera) && camera.nearDistance > 0 &&
-                      camera.farDistance > camera.nearDistance;
+    // Records of cameras without a lens have neither.
+    if (json.contains("aperture_radius")) {
+        camera.apertureRadius = parseFloat(json.at("aperture_radius"));
+        camera.focusDistance = json.contains("focus_distance") ? parseFloat(json.at("focus_distance"))
+                                                               : std::numeric_limits<float>::infinity();
+    }
+    const bool sane = camera.apertureRadius >= 0 && camera.focusDistance > 0 && camera.fovYRadians > 0 &&
+                      camera.fovYRadians < std::numbers::pi_v<float> && isRigid(camera.worldFromCamera) &&
+                      camera.nearDistance > 0 && camera.farDistance > camera.nearDistance;
     if (!sane)
         throw InputError("the camera's frame, angle or distances make no sense");
     return camera;

@@ -39,17 +39,20 @@ FullFrameLab::FullFrameLab()
 
 void FullFrameLab::useScene(Scene scene) {
     builtIn_ = false;
+    playing_ = false;
     tessellation.setIdle("imported models keep their own triangles");
     scene.lights = lightsFor(scene);
     scene_ = std::move(scene);
     renderer_.reset();
 }
 
+bool FullFrameLab::moves() const {
+    return builtIn_ || isAnimated(scene_);
+}
+
 void FullFrameLab::markIdleKnobs() {
-    const bool moves = builtIn_ || isAnimated(scene_);
-    const char* const still = moves ? "" : "nothing in the scene moves";
+    const char* const still = moves() ? "" : "nothing in the scene moves";
     time.setIdle(still);
-    play.setIdle(still);
     shutter.setIdle(still);
     focus.setIdle(aperture > 0 || defaultCamera().apertureRadius > 0 ? "" : "a pinhole shows all sharp");
 }
@@ -68,6 +71,13 @@ bool FullFrameLab::advance(double seconds, const HeldSeconds& /*held*/) {
     const float next = time + static_cast<float>(seconds);
     time.set(next <= time.range().max ? next : time.range().min);
     return true;
+}
+
+std::vector<LabKey> FullFrameLab::keys() {
+    return {{'T', "let the time run, or stop it", [this] {
+                 playing_ = moves() && !playing_;
+                 return std::string(moves() ? "" : "nothing in the scene moves");
+             }}};
 }
 
 std::vector<EffectReport> FullFrameLab::effects() const {

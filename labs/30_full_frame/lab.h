@@ -22,8 +22,9 @@ class FullFrameLab final : public Lab {
     void useScene(Scene scene) override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
-    bool isMoving() const override { return play; }
+    bool isMoving() const override { return playing_; }
     bool advance(double seconds, const HeldSeconds& held) override;
+    std::vector<LabKey> keys() override;
     std::vector<EffectReport> effects() const override;
     void leaveOut(const std::vector<std::string>& effects) override;
     bool plansFiles() const override { return true; }
@@ -32,7 +33,6 @@ class FullFrameLab final : public Lab {
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }
 
     FloatKnob time{knobs(), "time", 0, {0, 3600}, "s", "What moves is placed as it is then"};
-    BoolKnob play{knobs(), "play", false, "Let the time run"};
     BoolKnob showPlan{knobs(), "show-plan", false, "Write the plan over the picture"};
     BoolKnob force{knobs(), "force", false, "Run every effect, called for or not: nothing changes"};
     ChoiceKnob without;
@@ -59,6 +59,7 @@ class FullFrameLab final : public Lab {
     const FramePlan& plan() const { return renderer_.plan(); }
 
   private:
+    bool moves() const;
     void prepareScene();
     void placeAt(double seconds);
     std::vector<glm::mat4> placementsAt(double seconds);
@@ -68,6 +69,7 @@ class FullFrameLab final : public Lab {
 
     Scene scene_;
     bool builtIn_ = true;
+    bool playing_ = false;  ///< the time runs
     int builtTessellation_ = 0;
     FrameRenderer renderer_;
     EffectSet leftOut_;

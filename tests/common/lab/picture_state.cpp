@@ -22,6 +22,8 @@ PictureState oddState() {
     state.frame.seed = std::numeric_limits<std::uint64_t>::max();
     state.frame.camera.farDistance = std::numeric_limits<float>::infinity();
     state.frame.camera.nearDistance = 1e-7f;
+    state.frame.camera.apertureRadius = 0.1f;
+    state.frame.camera.focusDistance = 1e7f / 3;
     state.frame.camera.worldFromCamera[3] = {0.1f, -1e-38f, 3e30f, 1};
     return state;
 }
@@ -41,6 +43,19 @@ TEST(PictureState, SurvivesTheWayThroughJsonBitForBit) {
     EXPECT_EQ(again.frame.camera.fovYRadians, state.frame.camera.fovYRadians);
     EXPECT_EQ(again.frame.camera.nearDistance, state.frame.camera.nearDistance);
     EXPECT_EQ(again.frame.camera.farDistance, state.frame.camera.farDistance);
+    EXPECT_EQ(again.frame.camera.apertureRadius, state.frame.camera.apertureRadius);
+    EXPECT_EQ(again.frame.camera.focusDistance, state.frame.camera.focusDistance);
+}
+
+TEST(PictureState, KnowsLensesFocusedAtInfinityAndNoLens) {
+    PictureState state = oddState();
+    state.frame.camera.focusDistance = std::numeric_limits<float>::infinity();
+    EXPECT_EQ(parsePictureState(toJson(state), "test").frame.camera.focusDistance,
+              state.frame.camera.focusDistance);
+    std::string older = toJson(state);
+    const std::size_t lens = older.find("\"aperture_radius\"");
+    older.replace(lens, older.find_first_of(",}", lens) - lens, "\"unknown\": 0");
+    EXPECT_EQ(parsePictureState(older, "test").frame.camera.apertureRadius, 0);
 }
 
 TEST(PictureState, RefusesEveryCutOffText) {
@@ -61,7 +76,7 @@ TEST(PictureState, RefusesWhatMakesNoSenseInOneLineThatNamesTheFile) {
           with("fedcba9876543210", "fedcba987654321x"), with("fedcba9876543210", "fedcba98765432100"),
           with("\"width\": 31", "\"width\": \"31\""), with("\"seed\"", "\"sead\": -1, \"seed\""),
           with("\"fov_y_radians\": ", "\"fov_y_radians\": 4"), with("\"near\"", "\"far\": 1e-9, \"near\""),
-          std::string("[]"), std::string(5000, '[')})
+          with("\"aperture_radius\": ", "\"aperture_radius\": -"), std::string("[]"), std::string(5000, '[')})
         try {
             const PictureState state = parsePictureState(text, "bad.json");
             EXPECT_TRUE(text.find("sead") != std::string::npos) << text;
