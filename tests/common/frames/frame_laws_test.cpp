@@ -19,10 +19,12 @@
 #include "math/transform.h"
 #include "passes/frame_renderer.h"
 #include "scene/colonnade.h"
+#include "scene/export_gltf.h"
 #include "scene/finish.h"
 #include "scene/import.h"
 #include "scene/spaceship.h"
 #include "scene/town.h"
+#include "tests/support/temporary_folder.h"
 
 namespace quincunx {
 namespace {
@@ -82,6 +84,46 @@ TEST_F(FrameLaws, ForcingEveryEffectChangesNoBitOfTheBuiltInScenes) {
         view.settings.fxaa = true;
         view.settings.bloomStrength = 0.4f;
         expectForcingChangesNothing(view, name);
+    }
+}
+
+TEST_F(FrameLaws, ForcingEveryEffectChangesNoBitOfImportedScenes) {
+    // Textures of every use, over materials that mirror, cut out and blend.
+    Scene scene = tessellate(makeStillLife(), 16);
+    Random random(1);
+    for (const Encoding encoding : {Encoding::srgb, Encoding::linear}) {
+        Image8 image(8, 8, 4, encoding);
+        for (std::uint8_t& texel : image.data)
+            texel = static_cast<std::uint8_t>(64 + random.below(192));
+        scene.textures.push_back({.name = "noise", .image = std::move(image)});
+    }
+    const std::size_t color = scene.textures.size() - 2;
+    const std::size_t numbers = scene.textures.size() - 1;
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        Material& material = scene.materials[i];
+        material.baseColorTexture = color;
+        material.metallicRoughnessTexture = numbers;
+        material.normalTexture = numbers;
+        material.occlusionTexture = numbers;
+        material.emissionTexture = color;
+        material.emission = glm::vec3(0.1f);
+        material.metallic = 1;
+        material.roughness = 0.3f;
+        material.alphaMode = static_cast<Material::AlphaMode>(i % 3);
+        material.baseColor.a = 0.7f;
+    }
+    const test::TemporaryFolder folder;
+    for (const char* name : {"scene.gltf", "scene.glb"}) {
+        exportScene(scene, folder / name);
+        const ImportedScene imported = importScene(folder / name);
+        EXPECT_TRUE(imported.warnings.empty()) << imported.warnings.front();
+        renderer_.reset();
+        FrameView view{
+            .scene = imported.scene, .camera = cameraFor(imported.scene, 1.5f), .width = 96, .height = 64};
+        view.settings.shadowResolution = 256;
+        expectForcingChangesNothing(view, name);
+        EXPECT_TRUE(renderer_.plan().find("environment map").decision.calledFor);
+        EXPECT_TRUE(renderer_.plan().find("transparency order").decision.calledFor);
     }
 }
 
