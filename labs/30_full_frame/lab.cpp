@@ -42,6 +42,11 @@ void FullFrameLab::useScene(Scene scene) {
     playing_ = false;
     tessellation.setIdle("imported models keep their own triangles");
     scene.lights = lightsFor(scene);
+    // Files of other programs have no background; one of no colour lets what mirrors it be seen.
+    if (scene.backgroundTop == glm::vec3(0) && scene.backgroundBottom == glm::vec3(0)) {
+        scene.backgroundTop = {0.30f, 0.34f, 0.40f};
+        scene.backgroundBottom = {0.05f, 0.05f, 0.055f};
+    }
     scene_ = std::move(scene);
     renderer_.reset();
 }
