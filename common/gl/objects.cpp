@@ -170,6 +170,8 @@ template <typename Channel>
 BasicImage<Channel> download(const Texture2D& texture, int channels, GLenum format, GLenum type) {
     BasicImage<Channel> image(texture.width(), texture.height(), channels,
                               isSrgb(texture.internalFormat()) ? Encoding::srgb : Encoding::linear);
+    // llvmpipe with threads may hand out texels that a pass before the last is still writing.
+    glFinish();
     detail::bindTextureForEditing(texture.get());
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glGetTexImage(GL_TEXTURE_2D, 0, format, type, image.data.data());
