@@ -6,6 +6,7 @@
 #include "base/check.h"
 #include "gl/executor.h"
 #include "passes/fresh_name.h"
+#include "passes/fullscreen.h"
 
 namespace quincunx {
 namespace {
@@ -30,11 +31,6 @@ struct Passes {
     int taps = 1;
 };
 
-gl::ProgramFiles fullscreen(const std::string& fragment) {
-    return {
-        .label = fragment, .vertex = "passes/fullscreen.vert", .fragment = "passes/" + fragment + ".frag"};
-}
-
 void setLens(const gl::Program& program, const Passes& passes) {
     program.set("depthMap", depthUnit);
     program.set("atNear", passes.circles.atNear);
@@ -43,7 +39,7 @@ void setLens(const gl::Program& program, const Passes& passes) {
 }
 
 void drawTiles(graph::PassContext& context, const Passes& passes) {
-    const gl::Program& program = context.programs().get(fullscreen("depth_of_field_tiles"));
+    const gl::Program& program = context.programs().get(fullscreenProgram("depth_of_field_tiles"));
     program.use();
     setLens(program, passes);
     program.set("tile", passes.tile);
@@ -52,7 +48,7 @@ void drawTiles(graph::PassContext& context, const Passes& passes) {
 }
 
 void drawLayers(graph::PassContext& context, const Passes& passes) {
-    const gl::Program& program = context.programs().get(fullscreen("depth_of_field_gather"));
+    const gl::Program& program = context.programs().get(fullscreenProgram("depth_of_field_gather"));
     program.use();
     setLens(program, passes);
     program.set("picture", pictureUnit);
@@ -66,7 +62,7 @@ void drawLayers(graph::PassContext& context, const Passes& passes) {
 }
 
 void drawPicture(graph::PassContext& context, const Passes& passes) {
-    const gl::Program& program = context.programs().get(fullscreen("depth_of_field"));
+    const gl::Program& program = context.programs().get(fullscreenProgram("depth_of_field"));
     program.use();
     setLens(program, passes);
     program.set("picture", pictureUnit);

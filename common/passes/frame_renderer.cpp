@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "passes/fullscreen.h"
 #include "passes/targets.h"
 
 namespace quincunx {
@@ -14,8 +15,7 @@ namespace {
 void addCopyPass(graph::FrameGraph& graph, graph::Resource from, graph::Resource to) {
     graph.addPass(
         {.name = "present", .reads = {from}, .writes = {to}, .execute = [from](graph::PassContext& context) {
-             const gl::Program& program = context.programs().get(
-                 {.label = "copy", .vertex = "passes/fullscreen.vert", .fragment = "passes/copy.frag"});
+             const gl::Program& program = context.programs().get(fullscreenProgram("copy"));
              constexpr int unit = 1;
              program.use();
              program.set("picture", unit);

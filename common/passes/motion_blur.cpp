@@ -8,7 +8,9 @@
 #include "gl/executor.h"
 #include "math/projection.h"
 #include "math/transform.h"
+#include "passes/forward.h"
 #include "passes/fresh_name.h"
+#include "passes/fullscreen.h"
 
 namespace quincunx {
 namespace {
@@ -31,16 +33,6 @@ struct Passes {
     int taps = 1;
 };
 
-gl::ProgramFiles fullscreen(const std::string& fragment) {
-    return {
-        .label = fragment, .vertex = "passes/fullscreen.vert", .fragment = "passes/" + fragment + ".frag"};
-}
-
-glm::mat4 clipFromWorldOf(const Camera& camera, float aspect) {
-    return perspective(camera.fovYRadians, aspect, camera.nearDistance, camera.farDistance) *
-           cameraFromWorld(camera.worldFromCamera);
-}
-
 glm::dmat4 wideClipFromWorldOf(const Camera& camera, float aspect) {
     return glm::dmat4(perspective(camera.fovYRadians, aspect, camera.nearDistance, camera.farDistance)) *
            glm::inverse(glm::dmat4(camera.worldFromCamera));
@@ -62,7 +54,7 @@ void drawVelocity(graph::PassContext& context, const Passes& passes, const Motio
         glClearBufferfv(GL_COLOR, 0, still);
     } else {
         const glm::dmat4 worldFromClip = glm::inverse(wideClipFromWorldOf(params.camera, aspect));
-        const gl::Program& program = context.programs().get(fullscreen("velocity_camera"));
+        const gl::Program& program = context.programs().get(fullscreenProgram("velocity_camera"));
         program.use();
         program.set("depthMap", depthUnit);
         program.set("sizePixels", passes.sizePixels);
@@ -79,7 +71,7 @@ void drawVelocity(graph::PassContext& context, const Passes& passes, const Motio
     program.set("depthMap", depthUnit);
     program.set("sizePixels", passes.sizePixels);
     program.set("most", passes.most);
-    program.set("clipFromWorld", clipFromWorldOf(params.camera, aspect));
+    program.set("clipFromWorld", forwardView(params.camera, aspect).clipFromWorld);
     const SceneBuffers& buffers = params.buffers();
     buffers.bindVertices();
     for (const MovingInstance& moving : params.instances) {
@@ -91,7 +83,7 @@ void drawVelocity(graph::PassContext& context, const Passes& passes, const Motio
 }
 
 void drawTiles(graph::PassContext& context, const Passes& passes) {
-    const gl::Program& program = context.programs().get(fullscreen("motion_blur_tiles"));
+    const gl::Program& program = context.programs().get(fullscreenProgram("motion_blur_tiles"));
     program.use();
     program.set("motionMap", motionUnit);
     program.set("tile", passes.tile);
@@ -100,7 +92,7 @@ void drawTiles(graph::PassContext& context, const Passes& passes) {
 }
 
 void drawPicture(graph::PassContext& context, const Passes& passes) {
-    const gl::Program& program = context.programs().get(fullscreen("motion_blur"));
+    const gl::Program& program = context.programs().get(fullscreenProgram("motion_blur"));
     program.use();
     program.set("picture", pictureUnit);
     program.set("depthMap", depthUnit);

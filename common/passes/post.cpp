@@ -10,6 +10,7 @@
 #include "base/check.h"
 #include "gl/executor.h"
 #include "passes/fresh_name.h"
+#include "passes/fullscreen.h"
 
 namespace quincunx {
 namespace {
@@ -24,11 +25,6 @@ graph::Resource addLike(graph::FrameGraph& graph, graph::Resource picture, const
     graph::ResourceDescription description = graph.resource(picture);
     description.name = name;
     return graph.addResource(description);
-}
-
-gl::ProgramFiles over(const std::string& fragment) {
-    return {
-        .label = fragment, .vertex = "passes/fullscreen.vert", .fragment = "passes/" + fragment + ".frag"};
 }
 
 /// Lets a pass read between the texels of its picture.
@@ -71,7 +67,7 @@ graph::Resource addBlurPass(graph::FrameGraph& graph, graph::Resource picture, c
                    .reads = {picture},
                    .writes = {blurred},
                    .execute = [picture, pass](graph::PassContext& context) {
-                       gl::ProgramFiles files = over("blur");
+                       gl::ProgramFiles files = fullscreenProgram("blur");
                        if (pass.variant != nullptr)
                            files.defines.emplace_back(pass.variant, "");
                        const gl::Program& program = context.programs().get(files);
@@ -112,7 +108,7 @@ graph::Resource addReducePass(graph::FrameGraph& graph, graph::Resource picture,
                    .reads = {picture},
                    .writes = {reduced},
                    .execute = [picture, factor, threshold](graph::PassContext& context) {
-                       const gl::Program& program = context.programs().get(over("bright"));
+                       const gl::Program& program = context.programs().get(fullscreenProgram("bright"));
                        program.use();
                        program.set("picture", pictureUnit);
                        program.set("factor", factor);
@@ -134,7 +130,7 @@ graph::Resource addEnlargePass(graph::FrameGraph& graph, graph::Resource small, 
                    .reads = reads,
                    .writes = {large},
                    .execute = [small, like, factor, strength, addToLike](graph::PassContext& context) {
-                       gl::ProgramFiles files = over("enlarge");
+                       gl::ProgramFiles files = fullscreenProgram("enlarge");
                        if (addToLike)
                            files.defines.emplace_back("ADD_TO_BASE", "");
                        const gl::Program& program = context.programs().get(files);
@@ -176,7 +172,7 @@ graph::Resource addFilmPass(graph::FrameGraph& graph, graph::Resource picture, c
                    .reads = {picture},
                    .writes = {film},
                    .execute = [picture, params](graph::PassContext& context) {
-                       const gl::Program& program = context.programs().get(over("film"));
+                       const gl::Program& program = context.programs().get(fullscreenProgram("film"));
                        program.use();
                        program.set("picture", pictureUnit);
                        program.set("greyscale", params.greyscale);
@@ -244,7 +240,7 @@ void addToneMapPass(graph::FrameGraph& graph, graph::Resource picture, graph::Re
                    .reads = {picture},
                    .writes = {target},
                    .execute = [picture, params](graph::PassContext& context) {
-                       const gl::Program& program = context.programs().get(over("tone_map"));
+                       const gl::Program& program = context.programs().get(fullscreenProgram("tone_map"));
                        program.use();
                        program.set("picture", pictureUnit);
                        program.set("exposure", std::exp2(params.exposureStops));
@@ -261,7 +257,7 @@ void addFxaaPass(graph::FrameGraph& graph, graph::Resource picture, graph::Resou
                    .reads = {picture},
                    .writes = {target},
                    .execute = [picture, params](graph::PassContext& context) {
-                       const gl::Program& program = context.programs().get(over("fxaa"));
+                       const gl::Program& program = context.programs().get(fullscreenProgram("fxaa"));
                        program.use();
                        program.set("picture", pictureUnit);
                        program.set("strength", params.strength);

@@ -7,6 +7,7 @@
 #include "image/compare.h"
 #include "lab/studio.h"
 #include "labs/30_full_frame/evening.h"
+#include "passes/fullscreen.h"
 #include "scene/animation.h"
 #include "scene/import.h"
 
@@ -193,8 +194,7 @@ graph::Resource FullFrameLab::addPlanPass(graph::FrameGraph& graph, const Frame&
          .writes = {written},
          .execute = [this, picture, plan = renderer_.plan(),
                      size = glm::vec2(frame.width, frame.height)](graph::PassContext& context) {
-             const gl::Program& copy = context.programs().get(
-                 {.label = "copy", .vertex = "passes/fullscreen.vert", .fragment = "passes/copy.frag"});
+             const gl::Program& copy = context.programs().get(fullscreenProgram("copy"));
              constexpr int unit = 1;
              copy.use();
              copy.set("picture", unit);

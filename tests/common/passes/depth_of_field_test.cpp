@@ -23,6 +23,8 @@ namespace quincunx {
 namespace {
 
 using test::FilmSet;
+using test::haveSameBits;
+using test::isFinite;
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
@@ -70,16 +72,6 @@ Camera stillLifeCamera(float apertureRadius, float focusDistance) {
     camera.apertureRadius = apertureRadius;
     camera.focusDistance = focusDistance;
     return camera;
-}
-
-bool haveSameBits(const Image& a, const Image& b) {
-    return a.data.size() == b.data.size() &&
-           std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
-}
-
-bool isFinite(const Image& image) {
-    return std::all_of(image.data.begin(), image.data.end(),
-                       [](float value) { return std::isfinite(value); });
 }
 
 TEST(CirclesOfConfusion, AreThoseOfTheLensEquation) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -68,6 +71,16 @@ class FilmSet {
     gl::Executor executor_;
     std::unique_ptr<ForwardScene> scene_;
 };
+
+inline bool haveSameBits(const Image& a, const Image& b) {
+    return a.data.size() == b.data.size() &&
+           std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
+}
+
+inline bool isFinite(const Image& image) {
+    return std::all_of(image.data.begin(), image.data.end(),
+                       [](float value) { return std::isfinite(value); });
+}
 
 inline std::string nameOfBackend(const testing::TestParamInfo<gl::Backend>& backend) {
     return std::string(gl::backendName(backend.param));

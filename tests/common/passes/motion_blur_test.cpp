@@ -22,6 +22,8 @@ namespace quincunx {
 namespace {
 
 using test::FilmSet;
+using test::haveSameBits;
+using test::isFinite;
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
@@ -124,16 +126,6 @@ Action runningCamera(float way) {
             camera.worldFromCamera * glm::translate(glm::mat4(1), {0, 0, -way * static_cast<float>(time)});
         return camera;
     }};
-}
-
-bool haveSameBits(const Image& a, const Image& b) {
-    return a.data.size() == b.data.size() &&
-           std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
-}
-
-bool isFinite(const Image& image) {
-    return std::all_of(image.data.begin(), image.data.end(),
-                       [](float value) { return std::isfinite(value); });
 }
 
 TEST(ScreenMotion, IsTheWayBetweenTheTwoPlaces) {
