@@ -2,7 +2,6 @@
 // draws the same picture by hand without any check of its calls.
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -12,80 +11,11 @@
 
 #include "bare_shading.h"
 #include "base/check.h"
-#include "engine_shading.h"
-#include "gl/context.h"
+#include "tests/bench/contender.h"
 
 namespace {
 
 using namespace quincunx;
-
-double cpuSeconds(clockid_t clock) {
-    timespec time{};
-    clock_gettime(clock, &time);
-    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
-}
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    return values[values.size() / 2];
-}
-
-/// A renderer in a context of its own.
-template <typename Renderer>
-class Contender {
-  public:
-    Contender(int width, int height, bool watched)
-        : watched_(watched), context_(gl::createOffscreenContext(gl::Backend::automatic)) {
-        enter();
-        renderer_ = std::make_unique<Renderer>(width, height);
-    }
-    ~Contender() {
-        context_->makeCurrent();
-        renderer_.reset();
-    }
-    /// Must precede frames when another contender has drawn.
-    void enter() {
-        context_->makeCurrent();
-        if (watched_)
-            return;
-        if (GLAD_GL_KHR_debug != 0)
-            glDisable(GL_DEBUG_OUTPUT);
-        gladUninstallGLDebug();
-    }
-    void frame() {
-        renderer_->draw(walking(makeStillLifeCamera(), frameNumber_++ % 1000));
-        glFinish();
-    }
-    std::map<std::string, std::uint64_t> calls() {
-        enter();
-        frame();
-        gladInstallGLDebug();
-        const auto calls = callsOf([&] { renderer_->draw(walking(makeStillLifeCamera(), frameNumber_)); });
-        enter();
-        return calls;
-    }
-    /// Seconds of CPU a frame: of the whole process, and of the thread that calls.
-    std::pair<double, double> batch(int frames) {
-        enter();
-        frame();
-        const double process = cpuSeconds(CLOCK_PROCESS_CPUTIME_ID);
-        const double thread = cpuSeconds(CLOCK_THREAD_CPUTIME_ID);
-        for (int i = 0; i < frames; ++i)
-            frame();
-        return {(cpuSeconds(CLOCK_PROCESS_CPUTIME_ID) - process) / frames,
-                (cpuSeconds(CLOCK_THREAD_CPUTIME_ID) - thread) / frames};
-    }
-
-  private:
-    static Camera makeStillLifeCamera() {
-        static const Camera camera = makeStillLife().camera;
-        return camera;
-    }
-    bool watched_;
-    int frameNumber_ = 0;
-    std::unique_ptr<gl::Context> context_;
-    std::unique_ptr<Renderer> renderer_;
-};
 
 struct Pair {
     Pair(int width, int height) : engine(width, height, true), bare(width, height, false) {}

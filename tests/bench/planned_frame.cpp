@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <vector>
 
@@ -19,7 +18,7 @@
 #include "math/transform.h"
 #include "passes/frame_renderer.h"
 #include "scene/still_life.h"
-#include "tests/bench/engine_shading.h"
+#include "tests/bench/contender.h"
 
 namespace {
 
@@ -28,8 +27,7 @@ using namespace quincunx;
 constexpr int segments = 48;
 
 Scene stillLife() {
-    Scene scene = tessellate(makeStillLife(), segments);
-    return scene;
+    return tessellate(makeStillLife(), segments);
 }
 
 /// Nothing is called for, or left out that is: the frame is the scene and its background.
@@ -226,66 +224,6 @@ class Bare {
     std::vector<Draw> draws_;
 };
 
-/// A renderer in a context of its own.
-template <typename Renderer>
-class Contender {
-  public:
-    Contender(int width, int height, bool watched)
-        : watched_(watched), context_(gl::createOffscreenContext(gl::Backend::automatic)) {
-        enter();
-        renderer_ = std::make_unique<Renderer>(width, height);
-    }
-    ~Contender() {
-        context_->makeCurrent();
-        renderer_.reset();
-    }
-    void enter() {
-        context_->makeCurrent();
-        if (watched_)
-            return;
-        if (GLAD_GL_KHR_debug != 0)
-            glDisable(GL_DEBUG_OUTPUT);
-        gladUninstallGLDebug();
-    }
-    void frame() {
-        renderer_->draw(walking(camera_, number_++ % 1000));
-        glFinish();
-    }
-    std::uint64_t calls() {
-        enter();
-        frame();
-        gladInstallGLDebug();
-        const std::uint64_t calls = sumOf(callsOf([&] { renderer_->draw(walking(camera_, number_)); }));
-        enter();
-        return calls;
-    }
-    double batch(int frames) {
-        enter();
-        frame();
-        timespec start{};
-        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &start);
-        for (int i = 0; i < frames; ++i)
-            frame();
-        timespec end{};
-        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
-        return (static_cast<double>(end.tv_sec - start.tv_sec) +
-                static_cast<double>(end.tv_nsec - start.tv_nsec) * 1e-9) /
-               frames;
-    }
-
-  private:
-    bool watched_;
-    int number_ = 0;
-    Camera camera_ = makeStillLife().camera;
-    std::unique_ptr<gl::Context> context_;
-    std::unique_ptr<Renderer> renderer_;
-};
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    return values[values.size() / 2];
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -298,14 +236,14 @@ int main(int argc, char** argv) {
         std::vector<double> ratios;
         for (int round = 0; round < 31; ++round) {
             const bool oursFirst = round % 2 == 0;
-            const double first = oursFirst ? planned.batch(frames) : bare.batch(frames);
-            const double second = oursFirst ? bare.batch(frames) : planned.batch(frames);
+            const double first = oursFirst ? planned.batch(frames).first : bare.batch(frames).first;
+            const double second = oursFirst ? bare.batch(frames).first : planned.batch(frames).first;
             ours.push_back(oursFirst ? first : second);
             theirs.push_back(oursFirst ? second : first);
             ratios.push_back(ours.back() / theirs.back());
         }
-        const std::uint64_t plannedCalls = planned.calls();
-        const std::uint64_t bareCalls = bare.calls();
+        const std::uint64_t plannedCalls = sumOf(planned.calls());
+        const std::uint64_t bareCalls = sumOf(bare.calls());
         std::printf(
             "ratio planned / bare at %dx%d: CPU time %.3f (%.3f ms / %.3f ms; round by round %.3f), GL "
             "calls %.3f (%d / %d)\n",
