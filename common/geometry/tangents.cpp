@@ -1,9 +1,9 @@
 #include "geometry/tangents.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/check.h"
+#include "math/vector.h"
 
 namespace quincunx {
 namespace {
@@ -13,11 +13,7 @@ using glm::dvec3;
 
 /// (0,0,0) for what has no direction.
 dvec3 unit(const dvec3& v) {
-    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    if (!(largest > 0) || !std::isfinite(largest))
-        return dvec3(0);
-    const dvec3 scaled = v / largest;
-    return scaled / std::sqrt(glm::dot(scaled, scaled));
+    return normalize(v).value_or(dvec3(0));
 }
 
 /// Some unit vector across the unit vector `n`, or x for no `n`.
@@ -32,7 +28,7 @@ dvec3 across(const dvec3& n) {
 
 double angleBetween(const dvec3& a, const dvec3& b) {
     const dvec3 sine = glm::cross(a, b);
-    return std::atan2(std::sqrt(glm::dot(sine, sine)), glm::dot(a, b));
+    return std::atan2(length(sine), glm::dot(a, b));
 }
 
 /// What the triangles with one sign of the bitangent add up to at a vertex.
