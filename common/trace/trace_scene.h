@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "geometry/ray.h"
+#include "geometry/ray_triangle.h"
+#include "geometry/shapes.h"
+#include "scene/scene.h"
+#include "scene/still_life.h"
+#include "trace/accelerator.h"
+
+namespace quincunx {
+
+/// A solid in closed form among the triangles of a scene.
+struct TracedSolid {
+    Shape shape;
+    std::size_t material = 0;  ///< index into Scene::materials
+    glm::mat4 worldFromModel{1};
+};
+
+/// What a ray meets. World space. The sides are those of the surface, not of the ray.
+struct SurfacePoint {
+    double t = 0;                ///< in lengths of the ray's direction
+    glm::vec3 position{0};       ///< on the surface
+    glm::vec3 positionError{0};  ///< each component is off by this much at most
+    glm::vec3 geometricNormal{0, 1,
+                              0};  ///< of the triangle's plane or the solid, unit length, out of its front
+    glm::vec3 shadingNormal{0, 1, 0};  ///< interpolated and normal-mapped, unit length, same side
+    glm::vec3 tangent{1, 0, 0};        ///< unit length, orthogonal to the shading normal
+    glm::vec2 texcoord{0};
+    glm::vec4 color{1};          ///< Mesh::colors, interpolated
+    std::size_t material = 0;    ///< index into Scene::materials
+    std::uint32_t instance = 0;  ///< index into Scene::instances, solids counted after them
+    std::uint32_t triangle = 0;  ///< of the instance's mesh; 0 of a solid
+    glm::vec3 weights{1, 0, 0};  ///< barycentric; (1,0,0) of a solid
+    bool front = true;           ///< the ray comes from the front
+};
+
+/// A scene made ready for rays: what is used once is flattened into one set of triangles, meshes that are
+/// used several times have a structure each, and instances of it; solids stay what they are. Cut-outs
+/// (Material::AlphaMode::mask) let rays through where they have no surface. Read by any number of threads.
+class TraceScene {
+  public:
+    explicit TraceScene(Scene scene, std::vector<TracedSolid> solids = {},
+                        Structure structure = Structure::wideBvh);
+    /// The surfaces themselves, not triangles of them.
+    explicit TraceScene(const StillLife& stillLife);
+    ~TraceScene();
+    TraceScene(TraceScene&&) noexcept;
+    TraceScene& operator=(TraceScene&&) noexcept;
+
+    const Scene& scene() const;
+
+    std::optional<SurfacePoint> nearest(const Ray& ray, RayInterval interval = {},
+                                        TraversalCounts* counts = nullptr) const;
+    /// Whether anything solid lies in the interval.
+    bool occluded(const Ray& ray, RayInterval interval = {}, TraversalCounts* counts = nullptr) const;
+
+    /// A ray that leaves the surface on the side of `direction`, and cannot meet it where it starts: the
+    /// origin is moved along the geometric normal by the bound on the position's error, no more.
+    static Ray leave(const SurfacePoint& point, glm::vec3 direction);
+    /// Whether nothing lies between two points; both ends leave their surfaces as above.
+    bool visible(const SurfacePoint& from, const SurfacePoint& to, TraversalCounts* counts = nullptr) const;
+    bool visible(const SurfacePoint& from, glm::vec3 to, TraversalCounts* counts = nullptr) const;
+
+  private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+/// The ray through a point of the picture, (0, 0) its top left corner and (width, height) the bottom right
+/// one, and through a point of the lens, in the unit disk; origin at the eye, direction of unit length.
+Ray cameraRay(const Camera& camera, int width, int height, glm::vec2 pixel, glm::vec2 lens = glm::vec2(0));
+
+}  // namespace quincunx
