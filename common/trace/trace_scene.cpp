@@ -14,6 +14,7 @@
 #include "geometry/tangent_frames.h"
 #include "math/transform.h"
 #include "math/vector.h"
+#include "trace/box_tree.h"
 #include "trace/texture_lookup.h"
 
 namespace quincunx {
@@ -194,7 +195,7 @@ struct TraceScene::Parts {
     std::vector<std::unique_ptr<Accelerator>> meshStructures;  ///< by mesh
     std::vector<SharedInstance> shared;
     std::vector<SolidFrame> placedSolids;
-    std::vector<Bounds> boxes;  ///< of `shared`, then of `placedSolids`
+    BoxTree boxes;  ///< of `shared`, then of `placedSolids`
     Bounds bounds;
 
     /// What is nearest so far.
@@ -276,6 +277,7 @@ void TraceScene::Parts::build(Structure structure) {
         QX_CHECK_LT(solid.material, scene.materials.size());
     completeTangents(scene);
 
+    std::vector<Bounds> around;
     std::vector<std::size_t> uses(scene.meshes.size());
     for (const Instance& instance : scene.instances)
         ++uses[instance.mesh];
@@ -296,7 +298,7 @@ void TraceScene::Parts::build(Structure structure) {
         if (!own)
             own = makeAccelerator(structure, {mesh.positions, mesh.indices});
         shared.push_back({own.get(), i});
-        boxes.push_back(grown(transformed(frames[i]->worldFromModel, mesh.bounds())));
+        around.push_back(grown(transformed(frames[i]->worldFromModel, mesh.bounds())));
     }
     for (Flat* flat : {&whole, &cutOut}) {
         for (const glm::vec3& position : flat->positions)
@@ -307,12 +309,12 @@ void TraceScene::Parts::build(Structure structure) {
     for (std::uint32_t i = 0; i < solids.size(); ++i)
         if (const std::optional<Frame> frame = Frame::of(solids[i].worldFromModel)) {
             Solid solid(solids[i].shape);
-            boxes.push_back(grown(transformed(frame->worldFromModel, boundsOf(solid))));
+            around.push_back(grown(transformed(frame->worldFromModel, boundsOf(solid))));
             placedSolids.push_back(
                 {std::move(solid), *frame, ballOf(solids[i].shape, frame->worldFromModel), i});
         }
-    for (const Bounds& box : boxes)
-        bounds.extend(box);
+    boxes = BoxTree(around);
+    bounds.extend(boxes.bounds());
 }
 
 TraceScene::TraceScene(Scene scene, std::vector<TracedSolid> solids, Structure structure)
@@ -441,24 +443,6 @@ std::optional<Hit> TraceScene::Parts::meetSolid(const SolidFrame& one, const Ray
     return hit;
 }
 
-/// Where a ray enters a box, if it does within the interval; boxes are `grown`.
-bool mayMeet(const Ray& ray, const Bounds& box, const RayInterval& interval) {
-    float enter = interval.tMin;
-    float exit = interval.tMax;
-    for (int axis = 0; axis < 3; ++axis) {
-        const float inverse = 1 / ray.direction[axis];
-        float near = (box.min[axis] - ray.origin[axis]) * inverse;
-        float far = (box.max[axis] - ray.origin[axis]) * inverse;
-        if (near > far)
-            std::swap(near, far);
-        // A ray in the plane of a side makes NaN here, which leaves the interval as it is.
-        enter = near > enter ? near : enter;
-        exit = far < exit ? far : exit;
-    }
-    // Three roundings of each bound.
-    return enter * (1 - 0x1p-21f) <= exit * (1 + 0x1p-21f) + std::numeric_limits<float>::min();
-}
-
 TraceScene::Parts::Found TraceScene::Parts::find(const Ray& ray, RayInterval interval,
                                                  TraversalCounts* counts) const {
     Found found;
@@ -477,20 +461,22 @@ TraceScene::Parts::Found TraceScene::Parts::find(const Ray& ray, RayInterval int
     if (cutOut.accelerator)
         if (const auto hit = nearestInCutOuts(ray, interval, counts))
             keep(Found::Kind::cutOut, 0, *hit);
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        if (!mayMeet(ray, boxes[i], interval))
-            continue;
-        if (i < shared.size()) {
-            if (const auto hit = nearestInShared(shared[i], ray, interval, counts))
-                keep(Found::Kind::shared, static_cast<std::uint32_t>(i), *hit);
-            continue;
-        }
-        const auto index = static_cast<std::uint32_t>(i - shared.size());
-        if (const auto hit = meetSolid(placedSolids[index], ray, interval); hit && hit->t < found.t) {
-            keep(Found::Kind::solid, index, {.t = hit->t});
-            found.onSolid = *hit;
-        }
-    }
+    boxes.visit(
+        ray, interval,
+        [&](std::uint32_t i, float) {
+            if (i < shared.size()) {
+                if (const auto hit = nearestInShared(shared[i], ray, interval, counts))
+                    keep(Found::Kind::shared, i, *hit);
+                return interval.tMax;
+            }
+            const auto index = static_cast<std::uint32_t>(i - shared.size());
+            if (const auto hit = meetSolid(placedSolids[index], ray, interval); hit && hit->t < found.t) {
+                keep(Found::Kind::solid, index, {.t = hit->t});
+                found.onSolid = *hit;
+            }
+            return interval.tMax;
+        },
+        counts);
     return found;
 }
 
@@ -499,14 +485,16 @@ bool TraceScene::Parts::meetsAny(const Ray& ray, RayInterval interval, Traversal
         return true;
     if (cutOut.accelerator && nearestInCutOuts(ray, interval, counts))
         return true;
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        if (!mayMeet(ray, boxes[i], interval))
-            continue;
-        if (i < shared.size() ? nearestInShared(shared[i], ray, interval, counts).has_value()
-                              : meetSolid(placedSolids[i - shared.size()], ray, interval).has_value())
-            return true;
-    }
-    return false;
+    bool found = false;
+    boxes.visit(
+        ray, interval,
+        [&](std::uint32_t i, float tMax) {
+            found = i < shared.size() ? nearestInShared(shared[i], ray, interval, counts).has_value()
+                                      : meetSolid(placedSolids[i - shared.size()], ray, interval).has_value();
+            return found ? -std::numeric_limits<float>::infinity() : tMax;
+        },
+        counts);
+    return found;
 }
 
 // Surface points -----------------------------------------------------------------------------------------
