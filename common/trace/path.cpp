@@ -16,15 +16,18 @@ float largest(glm::vec3 v) {
     return std::max({v.x, v.y, v.z});
 }
 
-/// Whether a path goes on; its weight grows by what the paths that end here would have brought.
+/// Whether a path goes on; its weight grows by what the paths that end here would have brought. Always draws
+/// a number, so that a path's later ones are for the same things as its neighbours'.
 bool goesOn(glm::vec3& weight, const PathLimits& limits, PathSampler& sampler) {
+    const float u = sampler.next();
     const float w = largest(weight);
     if (!(w > limits.cutoff))
         return false;
     if (w >= limits.rouletteThreshold)
         return true;
-    const float survival = w / limits.rouletteThreshold;
-    if (sampler.next() >= survival)
+    // A multiple of 2^-24, as u is: the path survives with just this probability.
+    const float survival = std::ceil(w / limits.rouletteThreshold * 0x1p24f) * 0x1p-24f;
+    if (u >= survival)
         return false;
     weight /= survival;
     return true;
@@ -100,7 +103,7 @@ std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCount
 
 std::optional<Scattered> scatter(const PathVertex& vertex, PathSampler& sampler) {
     const float choice = sampler.next();
-    const std::optional<BsdfSample> drawn = sample(vertex.bsdf, vertex.wo, choice, sampler.nextPair());
+    const std::optional<BsdfSample> drawn = sample(vertex.bsdf, vertex.wo, choice, sampler.next2());
     if (!drawn)
         return {};
     const glm::vec3 wi = vertex.worldFromLocal * drawn->wi;
@@ -113,7 +116,7 @@ std::optional<DirectLight> drawDirectLight(const PathScene& scene, const PathVer
                                            PathSampler& sampler, PathCounts* counts) {
     const float choice = sampler.next();
     const std::optional<LightDraw> draw =
-        scene.lights().draw(scene.scene(), vertex.point, choice, sampler.nextPair());
+        scene.lights().draw(scene.scene(), vertex.point, choice, sampler.next2());
     if (!draw)
         return {};
     const glm::vec3 wi = vertex.toLocal(draw->wi);
@@ -308,7 +311,7 @@ EquationTerms estimateTerms(const PathScene& scene, const Ray& ray, int samples,
     MeanOfColors direct;
     MeanOfColors indirect;
     for (int i = 0; i < samples; ++i) {
-        PathSampler sampler(seed, 0, static_cast<std::uint32_t>(i));
+        PathSampler sampler(0, static_cast<std::uint32_t>(i), seed);
         glm::vec3 straight(0);
         glm::vec3 around(0);
         if (const std::optional<DirectLight> light = drawDirectLight(scene, *vertex, sampler))

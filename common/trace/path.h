@@ -8,7 +8,7 @@
 
 #include "trace/bsdf.h"
 #include "trace/light_set.h"
-#include "trace/path_sampler.h"
+#include "trace/sample_patterns.h"
 #include "trace/trace_scene.h"
 
 /// Path tracing: estimates of the rendering equation
