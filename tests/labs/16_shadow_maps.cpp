@@ -37,9 +37,7 @@ std::unique_ptr<ShadowMapLab> plainLab(Source source = Source::sun) {
 }
 
 MaskFigures maskOf(ShadowMapLab& lab, Studio& studio, const Frame& frame) {
-    StillLife scene = lab.colonnade();
-    scene.lights = {lab.currentLight()};
-    const Image traced = traceLitMask(scene, frame.camera, frame.width, frame.height, 0);
+    const Image traced = traceLitMask(lab.exactScene()(), frame.camera, frame.width, frame.height, 0);
     const int view = lab.view.index();
     lab.view.set(static_cast<int>(View::mask));
     const MaskFigures figures = compareMasks(studio.linearPicture(lab, frame), traced);
