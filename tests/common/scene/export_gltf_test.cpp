@@ -65,6 +65,8 @@ void expectSame(const Scene& a, const Scene& b) {
         EXPECT_EQ(m.alphaMode, n.alphaMode);
         EXPECT_EQ(m.alphaCutoff, n.alphaCutoff);
         EXPECT_EQ(m.doubleSided, n.doubleSided);
+        EXPECT_EQ(m.transmission, n.transmission) << "material " << i;
+        EXPECT_EQ(m.ior, n.ior) << "material " << i;
         for (auto use : {&Material::baseColorTexture, &Material::metallicRoughnessTexture,
                          &Material::normalTexture, &Material::occlusionTexture, &Material::emissionTexture})
             EXPECT_EQ(m.*use, n.*use) << "material " << i;
@@ -124,6 +126,11 @@ void expectSame(const Scene& a, const Scene& b) {
             EXPECT_TRUE(sameBits(a.animations[i].samplers[s].seconds, b.animations[i].samplers[s].seconds));
             EXPECT_TRUE(sameBits(a.animations[i].samplers[s].values, b.animations[i].samplers[s].values));
         }
+    }
+    ASSERT_EQ(a.environment.has_value(), b.environment.has_value());
+    if (a.environment) {
+        EXPECT_EQ(a.environment->panorama, b.environment->panorama);
+        EXPECT_EQ(a.environment->tint, b.environment->tint);
     }
     EXPECT_EQ(fingerprint(a), fingerprint(b));
 }
