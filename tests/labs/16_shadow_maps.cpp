@@ -68,6 +68,20 @@ TEST_P(ShadowMaps16, ThePictureNearsTheTracedOneForEveryLightInBothSizes) {
         }
 }
 
+TEST_P(ShadowMaps16, ImportedModelsHaveAReferenceToo) {
+    const auto lab = plainLab();
+    Scene scene = tessellate(lab->colonnade(), 24);
+    scene.cameras = {lab->colonnade().camera};
+    lab->useScene(std::move(scene));
+    lab->resolution.set(2048);
+    const Frame view = frame(*lab, large);
+    const Image traced = lab->reference(view)(std::atomic<bool>(false));
+    // Measured: 0.015, the edges of shadows.
+    EXPECT_LE(rmse(traced, studio_.linearPicture(*lab, view)), 0.03);
+    lab->sunTurn.set(20);
+    EXPECT_GT(rmse(traced, studio_.linearPicture(*lab, view)), 0.1) << "another light is another picture";
+}
+
 TEST_P(ShadowMaps16, WrongPixelsFallAsTheMapGrows) {
     const auto lab = plainLab();
     double last = 1;
