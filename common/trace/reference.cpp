@@ -109,22 +109,14 @@ dvec3 shade(const TraceScene& scene, const Seen& seen, const dvec3& eye, const P
     return sum;
 }
 
-/// The first surface along the ray that is seen from the side on which the ray meets it.
+/// What OpenGL would draw where the ray goes.
 std::optional<Seen> firstSeen(const TraceScene& scene, const Ray& ray, RayInterval interval) {
-    for (;;) {
-        const std::optional<SurfacePoint> point = scene.nearest(ray, interval);
-        if (!point)
-            return {};
-        const bool solid = point->instance >= scene.scene().instances.size();
-        const bool doubleSided = scene.scene().materials[point->material].doubleSided;
-        if (solid || point->front)
-            return Seen{*point, glm::normalize(dvec3(point->shadingNormal))};
-        if (doubleSided)
-            return Seen{*point, -glm::normalize(dvec3(point->shadingNormal))};
-        interval.tMin = std::nextafter(static_cast<float>(point->t), std::numeric_limits<float>::infinity());
-        if (!(interval.tMin <= interval.tMax))
-            return {};
-    }
+    const std::optional<SurfacePoint> point = nearestDrawn(scene, ray, interval);
+    if (!point)
+        return {};
+    const bool solid = point->instance >= scene.scene().instances.size();
+    const dvec3 normal = glm::normalize(dvec3(point->shadingNormal));
+    return Seen{*point, point->front || solid ? normal : -normal};
 }
 
 /// Calls `write(x, y, seen)` for every pixel, with what the ray through its centre meets first, or nothing.

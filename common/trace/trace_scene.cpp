@@ -688,6 +688,18 @@ bool TraceScene::visible(const SurfacePoint& from, glm::vec3 to, TraversalCounts
     return !occluded({origin, to - origin}, {0, 1}, counts);
 }
 
+std::optional<SurfacePoint> nearestDrawn(const TraceScene& scene, const Ray& ray, RayInterval interval) {
+    for (;;) {
+        std::optional<SurfacePoint> point = scene.nearest(ray, interval);
+        if (!point || point->front || point->instance >= scene.scene().instances.size() ||
+            scene.scene().materials[point->material].doubleSided)
+            return point;
+        interval.tMin = std::nextafter(notBelow(point->t), std::numeric_limits<float>::infinity());
+        if (!(interval.tMin <= interval.tMax))
+            return {};
+    }
+}
+
 Scene movedBy(Scene scene, glm::dvec3 by) {
     const auto move = [&](glm::mat4& worldFromThing) {
         for (int i = 0; i < 3; ++i)
