@@ -267,8 +267,6 @@ void TraceScene::Parts::flatten(std::uint32_t index) {
 }
 
 void TraceScene::Parts::build(Structure structure) {
-    if (!isAvailable(structure))
-        structure = Structure::bruteForce;
     for (const Instance& instance : scene.instances) {
         QX_CHECK_LT(instance.mesh, scene.meshes.size());
         QX_CHECK_LT(instance.material, scene.materials.size());

@@ -315,10 +315,10 @@ TEST(Obj, GlassIsReadFromItsIlluminationModelIndexAndFilter) {
                 "newmtl clear\nKd 0.8 0.8 0.8\nNi 1.33\nillum 7\nTf 0.5 0.75 1\n"
                 "newmtl thin\nillum 4\nd 0.25\n"
                 "newmtl wood\nillum 2\nNi 1.0\n");
-    const std::filesystem::path file = folder.file(
-        "m.obj",
-        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl clear\nf 1 2 3\nusemtl thin\nf 1 2 3\n"
-        "usemtl wood\nf 1 2 3\n");
+    const std::filesystem::path file =
+        folder.file("m.obj",
+                    "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl clear\nf 1 2 3\nusemtl thin\nf 1 2 3\n"
+                    "usemtl wood\nf 1 2 3\n");
     const ImportedScene imported = importScene(file);
     const std::vector<Material>& materials = imported.scene.materials;
     EXPECT_EQ(materials.at(0).transmission, 1);

@@ -44,9 +44,8 @@ class Maker {
         }
         if (chance(0.3)) {
             Environment& environment = scene_.environment.emplace();
-            environment.panorama =
-                Image(1 + static_cast<int>(random_.below(5)), 1 + static_cast<int>(random_.below(5)), 3,
-                      Encoding::linear);
+            environment.panorama = Image(1 + static_cast<int>(random_.below(5)),
+                                         1 + static_cast<int>(random_.below(5)), 3, Encoding::linear);
             for (float& value : environment.panorama.data)
                 value = std::abs(coordinate());
             environment.tint = unit3();
