@@ -181,6 +181,7 @@ Light randomLight(Random& random, const glm::vec3& origin) {
 FrameSettings randomSettings(Random& random) {
     FrameSettings settings;
     settings.shadowResolution = 64;
+    settings.environmentResolution = 16;
     const auto sometimes = [&](float value) { return random.below(3) == 0 ? value : 0.0f; };
     settings.exposureStops = sometimes(1.5f);
     settings.toneCurve = static_cast<ToneCurve>(random.below(3));
