@@ -79,6 +79,7 @@ TEST_F(FrameLaws, ForcingEveryEffectChangesNoBitOfTheBuiltInScenes) {
     for (const auto& [name, scene] : scenes) {
         renderer_.reset();
         FrameView view{.scene = scene, .camera = cameraFor(scene, 1.5f), .width = 96, .height = 64};
+        view.settings.shadowResolution = 256;
         expectForcingChangesNothing(view, name);
         view.settings.toneCurve = ToneCurve::filmic;
         view.settings.fxaa = true;
