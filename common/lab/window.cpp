@@ -44,8 +44,8 @@ constexpr int comparisonSideAtLeast = 64;
 /// After an event the panel needs more than one frame to come to rest.
 constexpr int framesAfterEvent = 3;
 /// A resting picture is drawn a few times more for the median of its time.
-constexpr std::size_t restingSamples = 7;
-constexpr Seconds restingMeasurement{0.3};
+constexpr std::size_t restingSamples = 5;
+constexpr Seconds restingMeasurement{0.15};
 constexpr std::size_t mostSamples = 15;
 
 /// Dear ImGui with its two back ends, for the life of a window.

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "base/check.h"
+
 namespace quincunx {
 namespace {
 
@@ -57,8 +59,11 @@ const SceneBuffers& FrameDevice::movingMeshes(const Scene& scene) {
     return *movingMeshes_;
 }
 
-EnvironmentMap& FrameDevice::environment(graph::PassContext& context, const Scene& scene,
+EnvironmentMap& FrameDevice::environment(graph::PassContext& context, const FrameView& view,
                                          const Surroundings& surroundings) {
+    const Scene& scene = view.scene;
+    const int resolution = view.settings.environmentResolution;
+    QX_CHECK_GE(resolution, 1);
     std::vector<Light> lights;
     for (const std::size_t l : surroundings.lights) {
         lights.push_back(scene.lights[l]);
@@ -66,6 +71,7 @@ EnvironmentMap& FrameDevice::environment(graph::PassContext& context, const Scen
     }
     FrameBlock block = makeFrameBlock(scene, lights, glm::mat4(1), glm::vec3(0));
     std::vector<std::byte> shows = shownBy(scene, surroundings, block);
+    append(shows, resolution);
     if (environment_ && shows == environmentShows_)
         return *environment_;
     if (!environment_)
@@ -78,9 +84,9 @@ EnvironmentMap& FrameDevice::environment(graph::PassContext& context, const Scen
                           .farDistance = surroundings.farDistance,
                           .zenith = scene.backgroundTop,
                           .nadir = scene.backgroundBottom},
-                         [&](graph::PassContext& inner, const ForwardView& view) {
-                             block.clipFromWorld = view.clipFromWorld;
-                             block.eyeWorld = glm::vec4(view.eyeWorld, 1);
+                         [&](graph::PassContext& inner, const ForwardView& face) {
+                             block.clipFromWorld = face.clipFromWorld;
+                             block.eyeWorld = glm::vec4(face.eyeWorld, 1);
                              drawn.draw(inner, scene,
                                         {.frame = block,
                                          .anchorWorld = surroundings.positionWorld,
@@ -88,7 +94,7 @@ EnvironmentMap& FrameDevice::environment(graph::PassContext& context, const Scen
                                          .blended = surroundings.blended},
                                         {.background = false});
                          },
-                         {.size = 128, .levels = 6, .samples = 32});
+                         {.size = resolution, .levels = 6, .samples = 32});
     environmentShows_ = std::move(shows);
     return *environment_;
 }

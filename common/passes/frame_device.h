@@ -6,6 +6,7 @@
 
 #include "passes/environment_map.h"
 #include "passes/frame_shadows.h"
+#include "passes/frame_view.h"
 #include "passes/frame_visibility.h"
 #include "passes/material.h"
 #include "passes/scene_buffers.h"
@@ -21,8 +22,8 @@ class FrameDevice {
     /// The meshes for drawing what moves once more.
     const SceneBuffers& movingMeshes(const Scene& scene);
     /// The map of what surrounds the scene's mirrors, without shadows and without mirrors in mirrors: taken
-    /// when it is first asked for, and again when anything that it shows has changed.
-    EnvironmentMap& environment(graph::PassContext& context, const Scene& scene,
+    /// when it is first asked for, and again when anything that it shows, or its resolution, has changed.
+    EnvironmentMap& environment(graph::PassContext& context, const FrameView& view,
                                 const Surroundings& surroundings);
     /// How often the map has been taken.
     std::size_t environmentsTaken() const { return environmentsTaken_; }

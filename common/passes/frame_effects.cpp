@@ -96,7 +96,7 @@ void addEnvironment(FrameBuilder& frame) {
     frame.environment =
         addEnvironmentPass(frame.graph, [&device = frame.device, &view = frame.view,
                                          &visibility = frame.visibility](graph::PassContext& context) {
-            device.environment(context, view.scene, visibility.surroundings);
+            device.environment(context, view, visibility.surroundings);
         });
 }
 

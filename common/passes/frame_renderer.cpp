@@ -44,7 +44,7 @@ void shade(graph::PassContext& context, const FrameView& view, const Visibility&
         EnvironmentMap::addBindings(files);
         params.blocks.insert(params.blocks.end(), files.blocks.begin(), files.blocks.end());
         params.samplers.insert(params.samplers.end(), files.samplers.begin(), files.samplers.end());
-        device.environment(context, view.scene, visibility.surroundings).bind();
+        device.environment(context, view, visibility.surroundings).bind();
     }
     std::vector<Light> lights;
     for (const LightReach& reach : visibility.lights) {

@@ -33,7 +33,8 @@ struct FrameSettings {
     /// Of every light that casts; a directional light's one map is as large as wanted, a spot's and each of a
     /// point's six views half as wide.
     int shadowResolution = 2048;
-    int shadowRadius = 1;  ///< of the (2 radius + 1)² bilinear taps
+    int shadowRadius = 1;             ///< of the (2 radius + 1)² bilinear taps
+    int environmentResolution = 128;  ///< texels along an edge of a face of the environment map, ≥ 1
 
     EffectSet forced = {};   ///< run although nothing calls for them; the picture stays the same
     EffectSet leftOut = {};  ///< not run although they are called for, for measuring; this wins

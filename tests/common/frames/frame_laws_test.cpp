@@ -79,6 +79,7 @@ TEST_F(FrameLaws, ForcingEveryEffectChangesNoBitOfTheBuiltInScenes) {
     for (const auto& [name, scene] : scenes) {
         renderer_.reset();
         FrameView view{.scene = scene, .camera = cameraFor(scene, 1.5f), .width = 96, .height = 64};
+        view.settings.shadowResolution = 256;
         expectForcingChangesNothing(view, name);
         view.settings.toneCurve = ToneCurve::filmic;
         view.settings.fxaa = true;
@@ -181,6 +182,7 @@ Light randomLight(Random& random, const glm::vec3& origin) {
 FrameSettings randomSettings(Random& random) {
     FrameSettings settings;
     settings.shadowResolution = 64;
+    settings.environmentResolution = 16;
     const auto sometimes = [&](float value) { return random.below(3) == 0 ? value : 0.0f; };
     settings.exposureStops = sometimes(1.5f);
     settings.toneCurve = static_cast<ToneCurve>(random.below(3));

@@ -235,10 +235,10 @@ void DrivenWindow::settle() const {
 }
 
 void DrivenWindow::click(int x, int y, int button) const {
-    // One after the other, as a hand does: Dear ImGui looks at the pointer once a frame.
-    act({"mousemove", std::to_string(x), std::to_string(y)});
-    act({"mousedown", std::to_string(button)});
-    act({"mouseup", std::to_string(button)});
+    // Down and up one after the other, as a hand does: Dear ImGui looks at the pointer once a frame.
+    const std::string number = std::to_string(button);
+    act({"mousemove", std::to_string(x), std::to_string(y), "mousedown", number});
+    act({"mouseup", number});
 }
 
 std::filesystem::path DrivenWindow::screenshot(int number, const std::string& key) const {

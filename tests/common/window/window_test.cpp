@@ -100,7 +100,7 @@ TEST_P(EveryLab, HasAWindowWhoseKnobsFollowTheirControlsAndRightClickPutsThemBac
     const float below = PanelLayout::knobTop + PanelLayout::knobStep * static_cast<float>(knobs.size());
     // A narrow picture is soon drawn, often as it is here.
     DrivenWindow window({.lab = GetParam().folder(),
-                         .width = 120,
+                         .width = 64,
                          .height = std::clamp(static_cast<int>(below), DrivenWindow::height, 1000)});
     const Image8 start = window.picture();
     EXPECT_EQ(faultPixels(window), 0);
