@@ -227,7 +227,7 @@ class Embree : public Accelerator {
 
     const Library& library_;
     TriangleView triangles_;
-    std::vector<detail::BvhItem> items_;
+    detail::HugeVector<detail::BvhItem> items_;
     Bounds box_;
     RTCDevice device_ = nullptr;
     RTCScene scene_ = nullptr;

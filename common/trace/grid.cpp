@@ -22,7 +22,7 @@ constexpr std::size_t entriesPerTriangle = 16;
 
 Grid::Grid(TriangleView triangles, const GridParams& params)
     : triangles_(triangles), mailboxes_(params.mailboxes) {
-    std::vector<detail::BvhItem> items = detail::itemsOf(triangles);
+    detail::HugeVector<detail::BvhItem> items = detail::itemsOf(triangles);
     if (items.empty())
         return;
     for (const detail::BvhItem& item : items)

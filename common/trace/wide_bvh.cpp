@@ -15,6 +15,9 @@ namespace detail {
 
 const WideKernels& wideKernels() {
 #if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
+        return wideKernelsAvx512;
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi"))
         return wideKernelsAvx2;
 #endif
@@ -107,12 +110,12 @@ class Collapse {
 }  // namespace detail
 
 WideBvh::WideBvh(TriangleView triangles) : kernels_(&detail::wideKernels()) {
-    std::vector<detail::BvhItem> items = detail::itemsOf(triangles);
+    detail::HugeVector<detail::BvhItem> items = detail::itemsOf(triangles);
     if (items.empty())
         return;
     const BvhTree tree = detail::buildBvh(items, {.maxLeafItems = detail::TriangleBlock::width,
                                                   .itemsATest = detail::TriangleBlock::width,
-                                                  .nodeCost = 0.5f});
+                                                  .nodeCost = 1.0f});
     tree_.box = {tree.nodes[0].min, tree.nodes[0].max};
     detail::Collapse(tree, triangles, tree_);
 }

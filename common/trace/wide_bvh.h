@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "trace/accelerator.h"
+#include "trace/huge_pages.h"
 
 namespace quincunx {
 
@@ -51,8 +51,8 @@ class WideRef {
 };
 
 struct WideTree {
-    std::vector<WideNode> nodes;
-    std::vector<TriangleBlock> blocks;
+    HugeVector<WideNode> nodes;
+    HugeVector<TriangleBlock> blocks;
     std::uint32_t root = 0;  ///< WideRef
     Bounds box;              ///< of all triangles; empty without any
 };

@@ -32,6 +32,17 @@ QX_INLINE Float8 larger8(Float8 a, Float8 b) {
 QX_INLINE Float8 smaller8(Float8 a, Float8 b) {
     return _mm256_min_ps(a, b);
 }
+#if defined(QX_KERNEL_AVX512)
+QX_INLINE unsigned lessOrEqual(Float8 a, Float8 b) {
+    return _mm256_cmp_ps_mask(a, b, _CMP_LE_OQ);
+}
+QX_INLINE unsigned notNegative(Float4 a) {
+    return _mm_cmp_ps_mask(a, _mm_setzero_ps(), _CMP_NLT_UQ);
+}
+QX_INLINE unsigned notNegative(Float8 a) {
+    return _mm256_cmp_ps_mask(a, _mm256_setzero_ps(), _CMP_NLT_UQ);
+}
+#else
 /// A bit for each lane.
 QX_INLINE unsigned lessOrEqual(Float8 a, Float8 b) {
     return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ)));
@@ -42,6 +53,7 @@ QX_INLINE unsigned notNegative(Float4 a) {
 QX_INLINE unsigned notNegative(Float8 a) {
     return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, _mm256_setzero_ps(), _CMP_NLT_UQ)));
 }
+#endif
 #else
 QX_INLINE Float8 larger8(Float8 a, Float8 b) {
     return a > b ? a : b;
@@ -154,13 +166,25 @@ QX_INLINE FilterRay<Float4> inAllLanes(const FilterRay<float>& ray) {
             lanes(ray.detScale)};
 }
 
+/// Has the child read from memory while others are looked at.
+QX_INLINE void fetch(const WideTree& tree, std::uint32_t ref) {
+    const char* const at = WideRef::isBlock(ref)
+                               ? reinterpret_cast<const char*>(&tree.blocks[WideRef::index(ref)])
+                               : reinterpret_cast<const char*>(&tree.nodes[ref]);
+    __builtin_prefetch(at);
+    __builtin_prefetch(at + 64);
+    __builtin_prefetch(at + 128);
+}
+
 /// Puts the children in `mask` on the stack, the nearest on top, and takes it off again.
-QX_INLINE std::uint32_t nearestChild(const WideNode& node, Float8 enter, unsigned mask, StackEntry*& top) {
+QX_INLINE std::uint32_t nearestChild(const WideTree& tree, const WideNode& node, Float8 enter, unsigned mask,
+                                     StackEntry*& top) {
     alignas(32) std::array<float, 8> distance;
     __builtin_memcpy(distance.data(), &enter, sizeof(enter));
     const auto take = [&]() QX_KERNEL_TARGET __attribute__((always_inline)) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
         mask &= mask - 1;
+        fetch(tree, node.child[lane]);
         return stackEntry(distance[lane], node.child[lane]);
     };
     const StackEntry first = take();
@@ -259,7 +283,7 @@ QX_KERNEL_TARGET std::optional<AcceleratorHit> nearest(const WideTree& tree, con
             const unsigned mask = nodeRay.meets(node, Float8{} + tMax, enter);
             if (mask != 0) {
                 ref = (mask & (mask - 1)) == 0 ? node.child[static_cast<std::size_t>(std::countr_zero(mask))]
-                                               : nearestChild(node, enter, mask, top);
+                                               : nearestChild(tree, node, enter, mask, top);
                 continue;
             }
         } else {
@@ -441,7 +465,7 @@ QX_KERNEL_TARGET bool nearestOfPacket(const WideTree& tree, const Ray* rays, Ray
             const unsigned mask = bounds.meets(node, farthest, enter);
             if (mask != 0) {
                 ref = (mask & (mask - 1)) == 0 ? node.child[static_cast<std::size_t>(std::countr_zero(mask))]
-                                               : nearestChild(node, enter, mask, top);
+                                               : nearestChild(tree, node, enter, mask, top);
                 continue;
             }
         } else {

@@ -1,7 +1,7 @@
 // Structures over triangles: rays a second and time to build, beside Embree in the same run, on the same
 // meshes with the same rays. Every figure is the median of interleaved runs, in CPU time of the thread.
 //
-//     bench_accelerators [mesh [repeats]]        mesh: blob, town, waves, all
+//     bench_accelerators [mesh [repeats [rays]]]        blob, town, waves, all; camera, diffuse, random, shadow
 
 #include <algorithm>
 #include <array>
@@ -311,7 +311,7 @@ struct Contender {
     std::uint64_t hits = 0;
 };
 
-void measure(const Model& model, int repeats) {
+void measure(const Model& model, int repeats, const std::string& only) {
     std::printf("\n%s: %zu triangles\n", model.name.c_str(), model.view().size());
     std::vector<double> buildOurs;
     std::vector<double> buildTheirs;
@@ -339,6 +339,8 @@ void measure(const Model& model, int repeats) {
     std::printf("  Mrays/s   %8s %8s %8s %8s %8s %8s | %8s %8s %8s\n", "wide", "packets", "binary", "Embree",
                 "robust", "of 8", "single", "packets", "to binary");
     for (const RaySet& set : makeRays(model, *wide)) {
+        if (!only.empty() && set.name != only)
+            continue;
         std::vector<Contender> contenders = {
             {"wide", [&](const RaySet& s) { return single(*wide, s); }},
             {"packets", [&](const RaySet& s) { return s.shadow ? 0 : packets(*wide, s); }},
@@ -357,11 +359,23 @@ void measure(const Model& model, int repeats) {
         for (const Contender& contender : contenders)
             speed.push_back(static_cast<double>(set.rays.size()) * 1e-6 / median(contender.seconds));
         const bool packed = contenders[1].hits != 0;
-        std::printf("  %-8s  %8.2f %8.2f %8.2f %8.2f %8.2f %8.2f | %7.2fx %7.2fx %7.2fx   hits %llu %llu\n",
-                    set.name.c_str(), speed[0], packed ? speed[1] : 0, speed[2], speed[3], speed[4], speed[5],
-                    speed[0] / speed[3], packed ? speed[1] / speed[5] : 0, speed[0] / speed[2],
-                    static_cast<unsigned long long>(contenders[0].hits),
-                    static_cast<unsigned long long>(contenders[3].hits));
+        TraversalCounts counts;
+        for (const Ray& ray : set.rays)
+            if (set.shadow)
+                wide->occluded(ray, set.interval, &counts);
+            else
+                wide->nearest(ray, set.interval, &counts);
+        const auto perRay = [&](std::uint64_t total) {
+            return static_cast<double>(total) / static_cast<double>(counts.rays);
+        };
+        std::printf(
+            "  %-8s  %8.2f %8.2f %8.2f %8.2f %8.2f %8.2f | %7.2fx %7.2fx %7.2fx | %.1f nodes, %.1f triangles "
+            "a ray; %llu hits, "
+            "Embree %llu\n",
+            set.name.c_str(), speed[0], packed ? speed[1] : 0, speed[2], speed[3], speed[4], speed[5],
+            speed[0] / speed[3], packed ? speed[1] / speed[5] : 0, speed[0] / speed[2], perRay(counts.nodes),
+            perRay(counts.triangles), static_cast<unsigned long long>(contenders[0].hits),
+            static_cast<unsigned long long>(contenders[3].hits));
     }
 }
 
@@ -370,10 +384,11 @@ void measure(const Model& model, int repeats) {
 int main(int argc, char** argv) {
     const std::string which = argc > 1 ? argv[1] : "all";
     const int repeats = argc > 2 ? std::atoi(argv[2]) : 7;
+    const std::string only = argc > 3 ? argv[3] : "";
     if (which == "blob" || which == "all")
-        measure(makeBlob(), repeats);
+        measure(makeBlob(), repeats, only);
     if (which == "town" || which == "all")
-        measure(makeTownModel(), repeats);
+        measure(makeTownModel(), repeats, only);
     if (which == "waves" || which == "all")
-        measure(makeWaves(), repeats);
+        measure(makeWaves(), repeats, only);
 }
