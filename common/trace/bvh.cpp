@@ -80,7 +80,7 @@ void count(TraversalCounts* counts, std::uint64_t boxes, std::uint64_t triangles
 }  // namespace
 
 BinaryBvh::BinaryBvh(TriangleView triangles) {
-    std::vector<detail::BvhItem> items = detail::itemsOf(triangles);
+    detail::HugeVector<detail::BvhItem> items = detail::itemsOf(triangles);
     BvhTree tree = detail::buildBvh(items, {.maxLeafItems = 4, .itemsATest = 1, .nodeCost = 1});
     nodes_ = std::move(tree.nodes);
     triangles_.resize(items.size());

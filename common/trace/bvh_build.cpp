@@ -14,6 +14,7 @@
 #include "base/check.h"
 #include "base/vector_units.h"
 #include "trace/bvh_items.h"
+#include "trace/huge_pages.h"
 
 namespace quincunx {
 namespace {
@@ -380,7 +381,7 @@ class Builder {
 
     std::span<BvhItem> items_;
     BvhBuildParams params_;
-    std::vector<BvhNode> nodes_;
+    detail::HugeVector<BvhNode> nodes_;
 };
 
 bool isFinite(const Bounds& box) {

@@ -17,9 +17,9 @@ bool isFinite(const Triangle& triangle) {
 
 }  // namespace
 
-std::vector<BvhItem> itemsOf(TriangleView triangles) {
+HugeVector<BvhItem> itemsOf(TriangleView triangles) {
     constexpr std::uint32_t none = ~std::uint32_t{0};
-    std::vector<BvhItem> items(triangles.size());
+    HugeVector<BvhItem> items(triangles.size());
     oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, items.size(), 4096),
                               [&](const auto& part) {
                                   for (std::size_t i = part.begin(); i != part.end(); ++i) {

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <vector>
-
 #include "trace/accelerator.h"
 #include "trace/bvh_items.h"
+#include "trace/huge_pages.h"
 
 namespace quincunx::detail {
 
 /// Boxes of the triangles whose corners are finite, by index. Indices must be of positions.
-std::vector<BvhItem> itemsOf(TriangleView triangles);
+HugeVector<BvhItem> itemsOf(TriangleView triangles);
 
 }  // namespace quincunx::detail

@@ -15,6 +15,9 @@ namespace detail {
 
 const WideKernels& wideKernels() {
 #if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
+        return wideKernelsAvx512;
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi"))
         return wideKernelsAvx2;
 #endif
@@ -107,12 +110,12 @@ class Collapse {
 }  // namespace detail
 
 WideBvh::WideBvh(TriangleView triangles) : kernels_(&detail::wideKernels()) {
-    std::vector<detail::BvhItem> items = detail::itemsOf(triangles);
+    detail::HugeVector<detail::BvhItem> items = detail::itemsOf(triangles);
     if (items.empty())
         return;
     const BvhTree tree = detail::buildBvh(items, {.maxLeafItems = detail::TriangleBlock::width,
                                                   .itemsATest = detail::TriangleBlock::width,
-                                                  .nodeCost = 0.5f});
+                                                  .nodeCost = 1.0f});
     tree_.box = {tree.nodes[0].min, tree.nodes[0].max};
     detail::Collapse(tree, triangles, tree_);
 }
@@ -134,6 +137,19 @@ bool WideBvh::occluded(const Ray& ray, RayInterval interval, TraversalCounts* co
         return false;
     }
     return kernels_->occluded(tree_, ray, interval, counts);
+}
+
+void WideBvh::nearestOfEach(std::span<const Ray> rays, RayInterval interval,
+                            std::span<std::optional<AcceleratorHit>> hits, TraversalCounts* counts) const {
+    QX_CHECK_EQ(rays.size(), hits.size());
+    if (!tree_.blocks.empty() && interval.tMin <= interval.tMax) {
+        kernels_->nearestOfEach(tree_, rays, interval, hits, counts);
+        return;
+    }
+    for (auto& hit : hits)
+        hit.reset();
+    if (counts)
+        counts->rays += rays.size();
 }
 
 std::size_t WideBvh::memoryBytes() const {

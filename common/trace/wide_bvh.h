@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <optional>
+#include <span>
 
 #include "trace/accelerator.h"
+#include "trace/huge_pages.h"
 
 namespace quincunx {
 
@@ -49,8 +51,8 @@ class WideRef {
 };
 
 struct WideTree {
-    std::vector<WideNode> nodes;
-    std::vector<TriangleBlock> blocks;
+    HugeVector<WideNode> nodes;
+    HugeVector<TriangleBlock> blocks;
     std::uint32_t root = 0;  ///< WideRef
     Bounds box;              ///< of all triangles; empty without any
 };
@@ -59,6 +61,8 @@ struct WideTree {
 struct WideKernels {
     std::optional<AcceleratorHit> (*nearest)(const WideTree&, const Ray&, RayInterval, TraversalCounts*);
     bool (*occluded)(const WideTree&, const Ray&, RayInterval, TraversalCounts*);
+    void (*nearestOfEach)(const WideTree&, std::span<const Ray>, RayInterval,
+                          std::span<std::optional<AcceleratorHit>>, TraversalCounts*);
 };
 
 }  // namespace detail
@@ -78,6 +82,10 @@ class WideBvh : public Accelerator {
                                           TraversalCounts* counts = nullptr) const override;
     bool occluded(const Ray& ray, RayInterval interval = {},
                   TraversalCounts* counts = nullptr) const override;
+    /// 16 rays at a time where the directions of 16 that follow one another have the same signs.
+    void nearestOfEach(std::span<const Ray> rays, RayInterval interval,
+                       std::span<std::optional<AcceleratorHit>> hits,
+                       TraversalCounts* counts = nullptr) const override;
     std::size_t memoryBytes() const override;
 
   private:

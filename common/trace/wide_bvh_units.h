@@ -7,6 +7,7 @@ namespace quincunx::detail {
 
 extern const WideKernels wideKernelsAny;   ///< what every machine has
 extern const WideKernels wideKernelsAvx2;  ///< on x86-64
+extern const WideKernels wideKernelsAvx512;
 
 /// The best for this machine. All give the same hits and counts.
 const WideKernels& wideKernels();
