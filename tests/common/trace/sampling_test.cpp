@@ -60,8 +60,8 @@ int diskCell(double x, double y) {
     return std::min(static_cast<int>(10 * (x * x + y * y)), 9) * 12 + sectorOf(y, x, 12);
 }
 
-// Six tests below are of one family.
-const double level = statistics::levelOfEach(6);
+// All tests of this file are one family.
+const double level = statistics::levelOfEach(24);
 
 TEST(SampleDisk, IsUniform) {
     EXPECT_GT(evenness(120, 1,
@@ -125,7 +125,7 @@ TEST(SampleCone, IsUniformHoweverNarrow) {
                                return std::min(static_cast<int>(10 * height), 9) * 12 +
                                       sectorOf(d.y, d.x, 12);
                            }),
-                  statistics::levelOfEach(18));
+                  level);
     EXPECT_EQ(sampleCone(0, vec2(0.3f)).density, 0);
     EXPECT_EQ(sampleCone(0, vec2(0.3f)).direction, vec3(0, 0, 1));
     EXPECT_EQ(sampleCone(0x1p-140f, vec2(0.3f)).density, std::numeric_limits<float>::max());
@@ -263,7 +263,7 @@ TEST(DiscreteDistribution, LeavesAUniformRest) {
     const DiscreteDistribution distribution(weights);
     EXPECT_GT(
         evenness(20, 10, [&](vec2 uv) { return static_cast<int>(20 * distribution.sample(uv.x).rest); }),
-        statistics::levelOfEach(2));
+        level);
 }
 
 TEST(GridDistribution, DrawsPointsByTheirDensity) {
@@ -292,7 +292,7 @@ TEST(GridDistribution, DrawsPointsByTheirDensity) {
         EXPECT_NEAR(s.density, weights[cell] / sum * width * height, 1e-4);
         ++observed[cell];
     }
-    EXPECT_GT(statistics::chiSquareTest(observed, expected).pValue, statistics::levelOfEach(2));
+    EXPECT_GT(statistics::chiSquareTest(observed, expected).pValue, level);
     EXPECT_EQ(grid.density(vec2(1, 0.5f)), 0);
     EXPECT_EQ(grid.density(vec2(0.5f, 0.5f)), 0);
     EXPECT_EQ(grid.density(vec2(-0.1f, 0.5f)), 0);
@@ -336,12 +336,11 @@ statistics::Moments cavity(float albedo, std::uint64_t seed, const Ends& goesOn)
 }
 
 TEST(Roulette, HasNoBiasWhereCutsAreOffByMostOfTheEnergy) {
-    const double levelOfThree = statistics::levelOfEach(3);
     for (const float albedo : {0.5f, 0.9f, 0.99f}) {
         const double exact = 1 / (1 - static_cast<double>(albedo));
         const auto roulette =
             cavity(albedo, 13, [](vec3 carried, int, float u) { return playRoulette(carried, u); });
-        EXPECT_GT(statistics::studentTTest(roulette, exact), levelOfThree) << albedo;
+        EXPECT_GT(statistics::studentTTest(roulette, exact), level) << albedo;
         EXPECT_NEAR(roulette.mean() / exact, 1, 0.03);
         // Measured at 0.99: 92 % lost by eight bounces, half by roulette without weights.
         const auto cut = cavity(albedo, 13, [](vec3 carried, int depth, float) {
@@ -394,7 +393,7 @@ TEST(IntegerBetween, DrawsEachAlikeBelowZeroToo) {
             ++observed[static_cast<std::size_t>(draw(random) + 2)];
         return statistics::chiSquareTest(observed, expected).pValue;
     };
-    EXPECT_GT(pOf([](Random& random) { return integerBetween(-2, 2, random); }), 0.01);
+    EXPECT_GT(pOf([](Random& random) { return integerBetween(-2, 2, random); }), level);
     EXPECT_LT(pOf([](Random& random) { return integerBetweenNaive(-2, 2, random); }), 1e-10);
     Random random(15);
     EXPECT_EQ(integerBetween(7, 7, random), 7);
@@ -521,8 +520,7 @@ TEST(SamplePattern, HasLessErrorTheMoreItIsStratified) {
             for (const vec2 p : samplePattern(pattern, 7, seed))
                 mean.add(p.x * p.x * p.y);
         // Points of a set depend on one another, to less error: the test is on the safe side.
-        EXPECT_GT(statistics::studentTTest(mean, 1.0 / 6), statistics::levelOfEach(5))
-            << samplePatternName(pattern);
+        EXPECT_GT(statistics::studentTTest(mean, 1.0 / 6), level) << samplePatternName(pattern);
     }
 }
 
@@ -554,7 +552,7 @@ TEST(PathSampler, DrawsUniformIndependentNumbers) {
                                                 static_cast<int>(8 * later))];
         }
         const std::vector<double> expected(64, drawn / 64.0);
-        EXPECT_GT(statistics::chiSquareTest(observed, expected).pValue, statistics::levelOfEach(2));
+        EXPECT_GT(statistics::chiSquareTest(observed, expected).pValue, level);
     }
 }
 
