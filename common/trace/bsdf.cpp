@@ -254,12 +254,15 @@ Scattering scattering(const Dielectric& bsdf, vec3 wo, vec3 wi) {
         const double share = shareAtBoundary(std::min(lobe.facing, 1.0), eta).mirrored;
         return {dvec3(share * lobe.value), share * lobe.density};
     }
-    // Snell: o + eta i is along the microfacet's normal.
-    const dvec3 along = o + eta * i;
+    // Snell: o + eta i is along the microfacet's normal; of exact unit length, so that both cosines with it
+    // obey the law and Fresnel's share is the same either way, at grazing angles too.
+    const dvec3 eye = o / std::sqrt(glm::dot(o, o));
+    const dvec3 light = i / std::sqrt(glm::dot(i, i));
+    const dvec3 along = eye + eta * light;
     const double squared = glm::dot(along, along);
     const double length = std::copysign(std::sqrt(squared), along.z);
-    const double cosEye = glm::dot(o, along) / length;
-    const double cosLight = -glm::dot(i, along) / length;
+    const double cosEye = glm::dot(eye, along) / length;
+    const double cosLight = -glm::dot(light, along) / length;
     if (!(squared > 0 && cosEye > 0 && cosLight > 0))
         return {};
     const double through = 1 - shareAtBoundary(std::min(cosEye, 1.0), eta).mirrored;

@@ -56,7 +56,7 @@ float fresnelConductorNaive(float cosine, float eta, float k);
 
 /// Schlick's polynomial f0 + (1 − f0)(1 − cosine)^5 ("An inexpensive BRDF model for physically-based
 /// rendering", 1994). It knows no total reflection: from inside it must be given the cosine of the outer
-/// angle. Against the exact share it is off by 0.037 at most for eta = 1.5, at 85°; for other indices see
+/// angle. Against the exact share it is off by 0.036 at most for eta = 1.5, at 85°; for other indices see
 /// Schlick.*.
 float fresnelSchlick(float f0, float cosine);
 /// What a boundary mirrors at normal incidence: ((eta − 1) / (eta + 1))².

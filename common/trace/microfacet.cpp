@@ -21,7 +21,7 @@ glm::dvec3 visibleNormal(const glm::dvec3& wo, double alpha, glm::vec2 uv) {
     // Stretched so that the surface is a hemisphere, whose normals seen from wo mirror it to a spherical cap.
     glm::dvec3 o(alpha * wo.x, alpha * wo.y, wo.z);
     o /= std::sqrt(glm::dot(o, o));
-    const double v = uv.y;
+    const double v = std::min(uv.y, 1 - 0x1p-24f);
     const double versine = v * (1 + o.z);
     const double sine = std::sqrt(std::max(0.0, versine * (2 - versine)));
     const double angle = 2 * std::numbers::pi * uv.x;
