@@ -26,38 +26,46 @@ glm::mat4 clipFromPixels(float width, float height) {
 
 }  // namespace
 
+TextureFilteringLab::QuadLayout TextureFilteringLab::quadLayout(const Frame& frame) const {
+    const float margins = 6 * textSize(frame);
+    const int step = std::max(static_cast<int>((static_cast<float>(frame.height) - margins) / 16), 1);
+    QuadLayout quad;
+    quad.height = 16 * step;
+    quad.width = 8 * step;
+    const int gap = std::max(frame.width / 8, 4 * step);
+    quad.squareLeft = std::max((frame.width - quad.width - gap - 4 * step) / 2, 0);
+    quad.left = quad.squareLeft + 4 * step + gap;
+    quad.bottom = std::max((frame.height - quad.height) / 2, 0);
+    return quad;
+}
+
 void TextureFilteringLab::drawQuad(graph::PassContext& context, const Frame& frame) {
     const float size = textSize(frame);
-    // A square of the checker takes `step` pixels on the quad when it is repeated as asked.
-    const int step = std::max(static_cast<int>((static_cast<float>(frame.height) - 6 * size) / 16), 1);
-    const int height = 16 * step;
-    const int width = 8 * step;
-    const int gap = std::max(frame.width / 8, 4 * step);
-    const int left = std::max((frame.width - width - gap - 4 * step) / 2, 0);
-    const int bottom = std::max((frame.height - height) / 2, 0);
-    const int quadLeft = left + 4 * step + gap;
+    const QuadLayout quad = quadLayout(frame);
+    const int side = quad.width / 2;
     gl::Sampler::Params params = asTheyAre;
     params.wrap = samplerParams(Filter::nearest).wrap;
-    const int squareBottom = bottom + height / 2 - 2 * step;
-    drawWindow(context, {left, squareBottom, 4 * step, 4 * step}, {{0, 1}, {1, 0}}, 0, params);
-    drawWindow(context, {quadLeft, bottom, width, height}, {{0, float{quadV}}, {float{quadU}, 0}}, 0, params);
+    const int squareBottom = quad.bottom + (quad.height - side) / 2;
+    drawWindow(context, {quad.squareLeft, squareBottom, side, side}, {{0, 1}, {1, 0}}, 0, params);
+    drawWindow(context, {quad.left, quad.bottom, quad.width, quad.height},
+               {{0, float{quadV}}, {float{quadU}, 0}}, 0, params);
 
     labels_.clear();
     const auto corner = [&](const char* name, float u, float v, int x, int yUp, Labels::Anchor anchor) {
         const float down = yUp == 0 ? 0.4f * size : -0.4f * size;
         labels_.text(
             fmt::format("{} ({:g}, {:g})", name, u, v),
-            {static_cast<float>(quadLeft + x), static_cast<float>(frame.height - bottom - yUp) + down},
+            {static_cast<float>(quad.left + x), static_cast<float>(frame.height - quad.bottom - yUp) + down},
             {.sizePixels = size, .color = ink, .anchor = anchor});
     };
     corner("v₀", 0, 0, 0, 0, Labels::Anchor::topCenter);
-    corner("v₁", quadU, 0, width, 0, Labels::Anchor::topCenter);
-    corner("v₂", quadU, quadV, width, height, Labels::Anchor::bottomCenter);
-    corner("v₃", 0, quadV, 0, height, Labels::Anchor::bottomCenter);
-    labels_.text(
-        "the texture, 4 × 4 squares",
-        {static_cast<float>(left + 2 * step), static_cast<float>(frame.height - squareBottom) + 0.4f * size},
-        {.sizePixels = size, .color = ink, .anchor = Labels::Anchor::topCenter});
+    corner("v₁", quadU, 0, quad.width, 0, Labels::Anchor::topCenter);
+    corner("v₂", quadU, quadV, quad.width, quad.height, Labels::Anchor::bottomCenter);
+    corner("v₃", 0, quadV, 0, quad.height, Labels::Anchor::bottomCenter);
+    labels_.text("the texture, 4 × 4 squares",
+                 {static_cast<float>(quad.squareLeft) + 0.5f * static_cast<float>(side),
+                  static_cast<float>(frame.height - squareBottom) + 0.4f * size},
+                 {.sizePixels = size, .color = ink, .anchor = Labels::Anchor::topCenter});
     labels_.draw(context, {frame.width, frame.height});
 }
 

@@ -120,6 +120,15 @@ class TextureFilteringLab final : public Lab {
     TextureWindow photoWindow(double aspect) const;
     FloorView floorView(const Camera& camera, int width, int height) const;
     const WavePicture& waves() const { return waves_; }
+    /// Where the view "quad" shows the quad, in pixels from the bottom left; a multiple of 8 by one of 16.
+    struct QuadLayout {
+        int left = 0;
+        int bottom = 0;
+        int width = 8;
+        int height = 16;
+        int squareLeft = 0;  ///< of the texture beside it, half as wide as the quad
+    };
+    QuadLayout quadLayout(const Frame& frame) const;
     /// The texture on the device; a frame has been drawn.
     const gl::Texture2D& deviceTexture() const { return *device_; }
 
