@@ -333,7 +333,11 @@ Footprint footprintOf(const TexturePoint& point, int width, int height, int maxA
     if (!std::isfinite(longSquared) || longSquared <= 0)
         return footprint;
     footprint.longTexels = std::sqrt(longSquared);
-    footprint.shortTexels = std::abs(x.x * y.y - x.y * y.x) / footprint.longTexels;
+    // Products of floats are exact, so that their difference is rounded once, however thin the ellipse is.
+    const double area = (static_cast<double>(point.alongX.x) * point.alongY.y -
+                         static_cast<double>(point.alongX.y) * point.alongY.x) *
+                        width * height;
+    footprint.shortTexels = std::isfinite(area) ? std::abs(area) / footprint.longTexels : 0;
     const double angle = 0.5 * std::atan2(2 * st, ss - tt);
     footprint.longAxis = footprint.longTexels * glm::dvec2(std::cos(angle) / width, std::sin(angle) / height);
     const double narrow = std::max(footprint.shortTexels, 1.0);
@@ -344,6 +348,16 @@ Footprint footprintOf(const TexturePoint& point, int width, int height, int maxA
         footprint.lambda = std::log2(std::max(narrow, footprint.longTexels / footprint.probes)) +
                            (std::isnan(bias) ? 0 : bias);
     return footprint;
+}
+
+glm::vec2 footprintAxesNaive(const TexturePoint& point, int width, int height) {
+    const glm::vec2 sides(width, height);
+    const glm::vec2 x = point.alongX * sides;
+    const glm::vec2 y = point.alongY * sides;
+    const float half = 0.5f * (glm::dot(x, x) + glm::dot(y, y));
+    const float determinant = x.x * y.y - x.y * y.x;
+    const float root = std::sqrt(half * half - determinant * determinant);
+    return {std::sqrt(half + root), std::sqrt(half - root)};
 }
 
 float sincNaive(float x) {
@@ -369,6 +383,12 @@ double periodicSinc(double x, int period) {
     const double sine = std::sin(std::numbers::pi * (near - whole)) * (std::fmod(whole, 2) != 0 ? -1 : 1);
     const double part = std::numbers::pi * near / period;
     return sine / (period * (period % 2 == 0 ? std::tan(part) : std::sin(part)));
+}
+
+float periodicSincNaive(float x, int period) {
+    constexpr auto pi = static_cast<float>(std::numbers::pi);
+    const float n = static_cast<float>(period);
+    return std::sin(pi * x) / (n * (period % 2 == 0 ? std::tan(pi * x / n) : std::sin(pi * x / n)));
 }
 
 double filterWeight(Magnification filter, double distance, int lobes) {

@@ -166,18 +166,24 @@ struct Footprint {
 /// Feline-like (McCormack, Perry, Farkas, Jouppi, SIGGRAPH 1999) with evenly weighted probes; the count as
 /// EXT_texture_filter_anisotropic: ⌈long / short⌉, at most `maxAnisotropy`. Nothing is gained by probes less
 /// than a texel apart, so the short axis counts as a texel at least, and a footprint without an area, or one
-/// that is not finite, gets one probe at `levelOfDetail`.
+/// that is not finite, gets one probe at `levelOfDetail`. Both axes are within 1e-15, relative, where their
+/// derivatives are finite.
 Footprint footprintOf(const TexturePoint& point, int width, int height, int maxAnisotropy, double bias = 0);
+
+/// The long and the short axis by the textbook's eigenvalues in float, which cancel.
+glm::vec2 footprintAxesNaive(const TexturePoint& point, int width, int height);
 
 /// The weight of a texel whose centre is `distance` texels away, before weights are brought to a sum of 1.
 double filterWeight(Magnification filter, double distance, int lobes);
 /// sin(πx) / (πx) as it stands, in float.
 float sincNaive(float x);
-/// Within 2 ulp of double, by reducing x before the sine: exact zeros at whole numbers, 1 at 0.
+/// Within 4e-16, by reducing x before the sine: exact zeros at whole numbers, 1 at 0.
 double sinc(double x);
 /// Σ over all k of sinc(x − k period), whole `period` ≥ 1: sin(πx) / (period tan(πx / period)) for an even
-/// one, the sine in place of the tangent for an odd one; 1 at multiples of the period.
+/// one, the sine in place of the tangent for an odd one; 1 at multiples of the period. Within 1e-15.
 double periodicSinc(double x, int period);
+/// The closed form as it stands, in float.
+float periodicSincNaive(float x, int period);
 
 /// What one texel of an enlarged line is made of.
 struct LineTap {
