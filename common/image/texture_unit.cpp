@@ -25,7 +25,12 @@ int nearestAt(double coordinate, int side, TextureWrap wrap) {
 }
 
 LinearTexels linearAt(double coordinate, int side, TextureWrap wrap) {
-    const double position = finiteOrZero(coordinate) * side - 0.5;
+    double within = finiteOrZero(coordinate);
+    // Two repeats, or a repeat and its mirror, are all there is; the rest is exact, and leaves room for the
+    // ½.
+    if (wrap == TextureWrap::repeat || wrap == TextureWrap::mirroredRepeat)
+        within = std::fmod(within, 2.0);
+    const double position = within * side - 0.5;
     const double first = std::floor(position);
     return {wrapTexel(first, side, wrap), wrapTexel(first + 1, side, wrap), position - first};
 }

@@ -27,8 +27,8 @@ int nearestTexel(float coordinate, int side, TextureWrap wrap);
 /// The textbook's REPEAT in float: int((s − ⌊s⌋) · side). Not kept within the texture.
 int nearestTexelNaive(float coordinate, int side);
 
-/// The two texels around a coordinate, and how much the second one counts. s · side − ½ is split exactly, but
-/// for |s| < 2⁻²⁹, where it is within 2⁻⁵³.
+/// The two texels around a coordinate, and how much the second one counts, within 2⁻⁵². Where texels repeat,
+/// that holds for every finite coordinate; where they are clamped, all that lies beyond the edge is the edge.
 struct LinearTexels {
     int first = 0;
     int second = 0;

@@ -96,16 +96,16 @@ class TextureFilteringLab final : public Lab {
     FloatKnob lodBias{knobs(), "lod-bias", 0, {-4, 4}, "levels", "Coarser (above 0) or finer mipmaps"};
     IntKnob textureSize{knobs(),         "texture-size", 256,
                         {1, 4096, true}, "texels",       "Side of the textures that are made by code"};
-    FloatKnob repeats{knobs(),           "repeats", 0.25f,
+    FloatKnob repeats{knobs(),           "repeats", 0.5f,
                       {0.01f, 16, true}, "times",   "The texture on a unit of the floor"};
     FloatKnob zoom{knobs(),       "zoom",  6,
                    {1, 64, true}, "times", "How much of the photo's height fills the picture"};
-    FloatKnob centreS{knobs(), "centre-s", 0.5f, {0, 1}, "", "Where on the photo"};
-    FloatKnob centreT{knobs(), "centre-t", 0.56f, {0, 1}, "", "Where on the photo, from the top"};
+    FloatKnob centreS{knobs(), "centre-s", 0.42f, {0, 1}, "", "Where on the photo"};
+    FloatKnob centreT{knobs(), "centre-t", 0.36f, {0, 1}, "", "Where on the photo, from the top"};
     FloatKnob quadU{knobs(), "quad-u", 2, {-8, 8}, "", "u at the quad's right corners"};
     FloatKnob quadV{knobs(), "quad-v", 4, {-8, 8}, "", "v at the quad's upper corners"};
-    FloatKnob probeX{knobs(), "probe-x", 0.5f, {0, 1}, "of the width", "The pixel whose footprint is shown"};
-    FloatKnob probeY{knobs(), "probe-y", 0.44f, {0, 1}, "of the height", "… from the bottom"};
+    FloatKnob probeX{knobs(), "probe-x", 0.36f, {0, 1}, "of the width", "The pixel whose footprint is shown"};
+    FloatKnob probeY{knobs(), "probe-y", 0.56f, {0, 1}, "of the height", "… from the bottom"};
     ChoiceKnob unit{knobs(),
                     "unit",
                     {"opengl", "cpu", "difference"},

@@ -19,8 +19,8 @@ namespace {
 
 using Lab12 = TextureFilteringLab;
 
-constexpr int width = 160;
-constexpr int height = 120;
+constexpr int width = 96;
+constexpr int height = 72;
 constexpr int referenceSide = 32;  // 1024 samples a pixel
 
 /// The floor, one filter, small enough to be measured in a moment.
