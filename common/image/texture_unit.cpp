@@ -28,8 +28,10 @@ LinearTexels linearAt(double coordinate, int side, TextureWrap wrap) {
     double within = finiteOrZero(coordinate);
     // Two repeats, or a repeat and its mirror, are all there is; the rest is exact, and leaves room for the
     // ½.
-    if (wrap == TextureWrap::repeat || wrap == TextureWrap::mirroredRepeat)
-        within = std::fmod(within, 2.0);
+    if ((wrap == TextureWrap::repeat || wrap == TextureWrap::mirroredRepeat) && std::abs(within) >= 2)
+        within = std::abs(within) < 0x1p60
+                     ? within - 2 * static_cast<double>(static_cast<std::int64_t>(0.5 * within))
+                     : 0;  // a multiple of 2
     const double position = within * side - 0.5;
     const double first = std::floor(position);
     return {wrapTexel(first, side, wrap), wrapTexel(first + 1, side, wrap), position - first};
@@ -187,6 +189,8 @@ Image withFourChannels(Image linear) {
 
 int wrapTexel(double texel, int side, TextureWrap wrap) {
     const double sides = side;
+    if (texel >= 0 && texel < sides)
+        return static_cast<int>(texel);
     switch (wrap) {
         case TextureWrap::repeat: {
             const double rest = std::fmod(texel, sides);  // exact
@@ -305,12 +309,14 @@ glm::vec4 sampleTrilinearNaive(const MipTexture& texture, const TexturePoint& po
                    mix(texel(left, top + 1), texel(left + 1, top + 1), x - left), y - top);
     };
     const auto isInside = [&](int level) { return level >= 0 && level < texture.levels(); };
-    const float finer = std::floor(lambda);
+    const float place = std::clamp(lambda, 0.0f, static_cast<float>(texture.levels() - 1));
+    const float finer = std::floor(place);
     if (!(std::abs(finer) < 1e6f) || !std::isfinite(point.st.x) || !std::isfinite(point.st.y) ||
-        !isInside(static_cast<int>(finer)) || !isInside(static_cast<int>(finer) + 1))
+        !isInside(static_cast<int>(finer)))
         return glm::vec4(std::numeric_limits<float>::quiet_NaN());
     const int level = static_cast<int>(finer);
-    return bilinear(level) + (lambda - finer) * (bilinear(level + 1) - bilinear(level));
+    const int coarser = std::min(level + 1, texture.levels() - 1);
+    return bilinear(level) + (place - finer) * (bilinear(coarser) - bilinear(level));
 }
 
 std::vector<TexelTap> texelTaps(const MipTexture& texture, const SamplerSettings& settings,

@@ -134,7 +134,7 @@ TextureSample sampleTexture(const MipTexture& texture, const SamplerSettings& se
 /// The value at a given λ, as GLSL's textureLod. `anisotropic` is trilinear here: λ has no direction.
 TextureSample sampleTextureLod(const MipTexture& texture, const SamplerSettings& settings, glm::vec2 st,
                                double lambda);
-/// The trilinear value by the textbook in float: floors and logarithms unguarded, indices by fract.
+/// The trilinear value by the textbook in float: the logarithm unguarded, indices by fract.
 glm::vec4 sampleTrilinearNaive(const MipTexture& texture, const TexturePoint& point);
 
 /// One of the texels that a value is made of.

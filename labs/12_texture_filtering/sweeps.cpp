@@ -23,8 +23,8 @@ Sweep floorSweep(TextureFilteringLab& lab, const std::string& pattern) {
     sweep.reference = "the mean over each pixel, 1024 samples";
     sweep.metric = "RMSE";
     sweep.errorUnit = "of linear light";
-    sweep.width = 320;
-    sweep.height = 240;
+    sweep.width = 240;
+    sweep.height = 180;
     const auto add = [&](const std::string& filter, const std::string& most) {
         sweep.points.push_back({{"minification", filter},
                                 {"max-anisotropy", most},

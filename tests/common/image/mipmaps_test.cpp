@@ -147,10 +147,10 @@ TEST(MipChain, WideFiltersKeepWhatFitsAndDropWhatDoesNot) {
         params.filter = filter;
         params.repeats = true;
         const Image level = makeMipmaps(line, params)[0];
-        double most = 0;
+        double squares = 0;
         for (const float value : level.data)
-            most = std::max(most, std::abs(static_cast<double>(value)));
-        return most;
+            squares += static_cast<double>(value) * value / level.width;
+        return std::sqrt(2 * squares);  // of a wave of whole periods
     };
     // The next level holds 32 periods at most. The box is |cos(π f / 128)|: 0.92 for 16, 0.56 for 40.
     EXPECT_NEAR(amplitude(16, MipFilter::box), 0.924, 0.01);
