@@ -10,6 +10,7 @@
 #include "gl/backends.h"
 #include "gl/bindings.h"
 #include "gl/calls.h"
+#include "image/mipmaps.h"
 
 namespace quincunx::gl {
 namespace {
@@ -73,8 +74,13 @@ bool isDepth(GLenum internalFormat) {
     return format == GL_DEPTH_COMPONENT || format == GL_DEPTH_STENCIL;
 }
 
+// Of GL_EXT_texture_compression_s3tc and GL_EXT_texture_sRGB, which a core loader does not name.
+constexpr GLenum compressedRgbS3tcDxt1 = 0x83f0;
+constexpr GLenum compressedSrgbS3tcDxt1 = 0x8c4c;
+
 bool isSrgb(GLenum internalFormat) {
-    return internalFormat == GL_SRGB8 || internalFormat == GL_SRGB8_ALPHA8;
+    return internalFormat == GL_SRGB8 || internalFormat == GL_SRGB8_ALPHA8 ||
+           internalFormat == compressedSrgbS3tcDxt1 || internalFormat == compressedSrgbAlphaBptc;
 }
 
 std::string formatName(GLenum internalFormat) {
@@ -143,6 +149,15 @@ void checkPlace(const TextureCube& cube, int face, int level) {
     QX_CHECK_LT(face, TextureCube::faceCount);
     QX_CHECK_GE(level, 0);
     QX_CHECK_LT(level, cube.levels());
+}
+
+bool hasExtension(std::string_view name) {
+    GLint count = 0;
+    glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; ++i)
+        if (name == reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))))
+            return true;
+    return false;
 }
 
 template <typename Generate>
@@ -276,44 +291,116 @@ Texture2D::Texture2D(std::string_view label, GLenum internalFormat, int width, i
 }
 
 Texture2D::Texture2D(std::string_view label, const Image8& image)
-    : width_(image.width), height_(image.height) {
-    checkSize(label, width_, height_);
-    QX_CHECK_GE(image.channels, 1);
-    QX_CHECK_LE(image.channels, 4);
-    QX_CHECK_EQ(image.data.size(), image.pixelCount() * static_cast<std::size_t>(image.channels));
-    const bool srgb = image.encoding == Encoding::srgb;
-    // No one- or two-channel format decodes sRGB: grey is stored three times there.
-    const bool spread = srgb && image.channels < 3;
-    std::vector<std::uint8_t> spreadTexels;
-    if (spread) {
-        const std::size_t stride = image.channels == 1 ? 3 : 4;
-        spreadTexels.resize(image.pixelCount() * stride);
-        for (std::size_t i = 0; i < image.pixelCount(); ++i) {
-            const std::uint8_t* texel = &image.data[i * static_cast<std::size_t>(image.channels)];
-            std::fill_n(&spreadTexels[i * stride], 3, texel[0]);
-            if (stride == 4)
-                spreadTexels[i * stride + 3] = texel[1];
-        }
-    }
-    const int channels = spread ? image.channels + 2 : image.channels;
-    static constexpr GLenum formats[] = {GL_RED, GL_RG, GL_RGB, GL_RGBA};
-    static constexpr GLenum linearFormats[] = {GL_R8, GL_RG8, GL_RGB8, GL_RGBA8};
-    internalFormat_ = !srgb ? linearFormats[channels - 1] : channels == 3 ? GL_SRGB8 : GL_SRGB8_ALPHA8;
+    : Texture2D(label, std::span<const Image8>(&image, 1)) {
+    generateMipmaps();
+    setFilter(GL_LINEAR_MIPMAP_LINEAR, GL_LINEAR);
+}
 
+template <typename Level>
+void Texture2D::begin(std::string_view label, std::span<const Level> levels) {
+    QX_CHECK(!levels.empty());
+    width_ = levels[0].width;
+    height_ = levels[0].height;
+    checkSize(label, width_, height_);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        QX_CHECK_EQ(levels[i].width, mipSide(width_, static_cast<int>(i)));
+        QX_CHECK_EQ(levels[i].height, mipSide(height_, static_cast<int>(i)));
+    }
     handle_ = Handle<DeleteTexture>(newName(glGenTextures));
     detail::bindTextureForEditing(get());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internalFormat_), width_, height_, 0,
-                 formats[channels - 1], GL_UNSIGNED_BYTE, spread ? spreadTexels.data() : image.data.data());
+}
+
+void Texture2D::finish(std::string_view label, std::size_t levels) {
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(levels) - 1);
+    setFilter(levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR, GL_LINEAR);
+    setWrap(GL_REPEAT, GL_REPEAT);
+    setLabel(GL_TEXTURE, get(), label);
+}
+
+Texture2D::Texture2D(std::string_view label, std::span<const Image8> levels, GLenum storage) {
+    begin(label, levels);
+    const int imageChannels = levels[0].channels;
+    QX_CHECK_GE(imageChannels, 1);
+    QX_CHECK_LE(imageChannels, 4);
+    const bool srgb = levels[0].encoding == Encoding::srgb;
+    // No one- or two-channel format decodes sRGB: grey is stored three times there.
+    const bool spread = srgb && imageChannels < 3;
+    const int channels = spread ? imageChannels + 2 : imageChannels;
+    static constexpr GLenum formats[] = {GL_RED, GL_RG, GL_RGB, GL_RGBA};
+    static constexpr GLenum linearFormats[] = {GL_R8, GL_RG8, GL_RGB8, GL_RGBA8};
+    internalFormat_ = !srgb ? linearFormats[channels - 1] : channels == 3 ? GL_SRGB8 : GL_SRGB8_ALPHA8;
+    if (storage != 0)
+        internalFormat_ = storage;
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+        const Image8& image = levels[level];
+        QX_CHECK_EQ(image.channels, imageChannels);
+        QX_CHECK((image.encoding == Encoding::srgb) == srgb);
+        QX_CHECK_EQ(image.data.size(), image.pixelCount() * static_cast<std::size_t>(image.channels));
+        std::vector<std::uint8_t> spreadTexels;
+        if (spread) {
+            const std::size_t stride = imageChannels == 1 ? 3 : 4;
+            spreadTexels.resize(image.pixelCount() * stride);
+            for (std::size_t i = 0; i < image.pixelCount(); ++i) {
+                const std::uint8_t* texel = &image.data[i * static_cast<std::size_t>(imageChannels)];
+                std::fill_n(&spreadTexels[i * stride], 3, texel[0]);
+                if (stride == 4)
+                    spreadTexels[i * stride + 3] = texel[1];
+            }
+        }
+        glTexImage2D(GL_TEXTURE_2D, static_cast<GLint>(level), static_cast<GLint>(internalFormat_),
+                     image.width, image.height, 0, formats[channels - 1], GL_UNSIGNED_BYTE,
+                     spread ? spreadTexels.data() : image.data.data());
+    }
     if (channels < 3) {
         const GLint alpha = channels == 2 ? GL_GREEN : GL_ONE;
         const GLint swizzle[] = {GL_RED, GL_RED, GL_RED, alpha};
         glTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_RGBA, swizzle);
     }
-    glGenerateMipmap(GL_TEXTURE_2D);
-    setFilter(GL_LINEAR_MIPMAP_LINEAR, GL_LINEAR);
-    setWrap(GL_REPEAT, GL_REPEAT);
-    setLabel(GL_TEXTURE, get(), label);
+    finish(label, levels.size());
+}
+
+Texture2D::Texture2D(std::string_view label, std::span<const Image> levels) : internalFormat_(GL_RGBA32F) {
+    begin(label, levels);
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+        const Image& image = levels[level];
+        QX_CHECK_EQ(image.channels, 4);
+        QX_CHECK(image.encoding == Encoding::linear);
+        QX_CHECK_EQ(image.data.size(), 4 * image.pixelCount());
+        glTexImage2D(GL_TEXTURE_2D, static_cast<GLint>(level), GL_RGBA32F, image.width, image.height, 0,
+                     GL_RGBA, GL_FLOAT, image.data.data());
+    }
+    finish(label, levels.size());
+}
+
+Texture2D::Texture2D(std::string_view label, std::span<const BlockImage> levels) {
+    begin(label, levels);
+    const bool srgb = levels[0].encoding == Encoding::srgb;
+    const BlockFormat format = levels[0].format;
+    if (format == BlockFormat::bc1) {
+        internalFormat_ = srgb ? compressedSrgbS3tcDxt1 : compressedRgbS3tcDxt1;
+        if (!hasExtension("GL_EXT_texture_compression_s3tc") ||
+            (srgb && !hasExtension("GL_EXT_texture_sRGB")))
+            throw EnvironmentError("this driver reads no S3TC blocks (GL_EXT_texture_compression_s3tc)",
+                                   fmt::format("texture \"{}\"", label), "keep the texture uncompressed");
+    } else {
+        QX_CHECK(!srgb);
+        internalFormat_ = GL_COMPRESSED_RED_RGTC1;
+    }
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+        const BlockImage& image = levels[level];
+        QX_CHECK(image.format == format);
+        QX_CHECK((image.encoding == Encoding::srgb) == srgb);
+        QX_CHECK_EQ(image.blocks.size(), blockBytes(format, image.width, image.height));
+        glCompressedTexImage2D(GL_TEXTURE_2D, static_cast<GLint>(level), internalFormat_, image.width,
+                               image.height, 0, static_cast<GLsizei>(image.blocks.size()),
+                               image.blocks.data());
+    }
+    if (format == BlockFormat::bc4) {
+        const GLint swizzle[] = {GL_RED, GL_RED, GL_RED, GL_ONE};
+        glTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_RGBA, swizzle);
+    }
+    finish(label, levels.size());
 }
 
 void Texture2D::bind(GLuint unit) const {
@@ -331,6 +418,12 @@ void Texture2D::setWrap(GLenum s, GLenum t) {
     detail::bindTextureForEditing(get());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, static_cast<GLint>(s));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, static_cast<GLint>(t));
+}
+
+void Texture2D::generateMipmaps() {
+    detail::bindTextureForEditing(get());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, mipLevelCount(width_, height_) - 1);
+    glGenerateMipmap(GL_TEXTURE_2D);
 }
 
 int TextureCube::fullLevels(int size) {
@@ -420,6 +513,12 @@ Sampler::Sampler(std::string_view label, const Params& params) {
     if (params.compare) {
         glSamplerParameteri(name, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
         glSamplerParameteri(name, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    }
+    if (params.maxAnisotropy > 1 && GLAD_GL_EXT_texture_filter_anisotropic != 0) {
+        GLfloat most = 1;
+        glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &most);
+        glSamplerParameterf(name, GL_TEXTURE_MAX_ANISOTROPY_EXT,
+                            std::min(most, static_cast<GLfloat>(params.maxAnisotropy)));
     }
     setLabel(GL_SAMPLER, name, label);
 }
@@ -530,6 +629,38 @@ Image readPixels(const Texture2D& texture) {
     std::transform(bytes.data.begin(), bytes.data.end(), image.data.begin(),
                    [](std::uint8_t byte) { return static_cast<float>(byte) / 255.0f; });
     return image;
+}
+
+Image8 readLevel8(const Texture2D& texture, int level) {
+    const LevelMemory memory = levelMemory(texture, level);
+    Image8 image(memory.width, memory.height, 4,
+                 isSrgb(texture.internalFormat()) ? Encoding::srgb : Encoding::linear);
+    glFinish();
+    detail::bindTextureForEditing(texture.get());
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glGetTexImage(GL_TEXTURE_2D, level, GL_RGBA, GL_UNSIGNED_BYTE, image.data.data());
+    return image;
+}
+
+LevelMemory levelMemory(const Texture2D& texture, int level) {
+    detail::bindTextureForEditing(texture.get());
+    const auto ask = [&](GLenum name) {
+        GLint value = 0;
+        glGetTexLevelParameteriv(GL_TEXTURE_2D, level, name, &value);
+        return value;
+    };
+    LevelMemory memory{ask(GL_TEXTURE_WIDTH), ask(GL_TEXTURE_HEIGHT), 0};
+    if (ask(GL_TEXTURE_COMPRESSED) != 0) {
+        memory.bytes = static_cast<std::size_t>(ask(GL_TEXTURE_COMPRESSED_IMAGE_SIZE));
+        return memory;
+    }
+    std::size_t bits = 0;
+    for (const GLenum channel : {GL_TEXTURE_RED_SIZE, GL_TEXTURE_GREEN_SIZE, GL_TEXTURE_BLUE_SIZE,
+                                 GL_TEXTURE_ALPHA_SIZE, GL_TEXTURE_DEPTH_SIZE, GL_TEXTURE_STENCIL_SIZE})
+        bits += static_cast<std::size_t>(ask(channel));
+    memory.bytes =
+        bits * static_cast<std::size_t>(memory.width) * static_cast<std::size_t>(memory.height) / 8;
+    return memory;
 }
 
 Image readPixels(const TextureCube& cube, int face, int level) {

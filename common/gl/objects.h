@@ -10,6 +10,7 @@
 #include <glad/gl.h>
 #include <glm/glm.hpp>
 
+#include "image/block_compression.h"
 #include "image/image.h"
 
 /// Owners of GL objects: made whole or not at all, labelled (KHR_debug) so that errors name them, deleted at
@@ -113,6 +114,9 @@ class VertexArray {
     Handle<DeleteVertexArray> handle_;
 };
 
+/// Of GL_ARB_texture_compression_bptc, which a core loader does not name: BC7, sRGB with alpha.
+inline constexpr GLenum compressedSrgbAlphaBptc = 0x8e8d;
+
 /// A two-dimensional texture; sizes beyond the driver's limit are an InputError. Making, changing and reading
 /// one leaves the textures that `bind` bound as they are.
 class Texture2D {
@@ -124,9 +128,21 @@ class Texture2D {
     /// From pixels, with all mipmap levels; sRGB images are stored so that sampling gives linear light, and
     /// grey images are sampled as grey. The image's top row is at t = 0. Sampled trilinearly, repeated.
     Texture2D(std::string_view label, const Image8& image);
+    /// With these levels and no others, level 0 first, each half of the one before as mipSide has it; all of
+    /// the same channels and encoding. Sampled as the one above.
+    /// `storage`: a sized or compressed internal format to keep them in, made of the bytes by the driver; 0:
+    /// as they are.
+    Texture2D(std::string_view label, std::span<const Image8> levels, GLenum storage = 0);
+    /// The same as RGBA of 32-bit floats; the images have four channels and are linear.
+    Texture2D(std::string_view label, std::span<const Image> levels);
+    /// The same, kept in blocks on the device as well. EnvironmentError naming the extension where the driver
+    /// cannot read them.
+    Texture2D(std::string_view label, std::span<const BlockImage> levels);
     void bind(GLuint unit) const;
     void setFilter(GLenum minification, GLenum magnification);
     void setWrap(GLenum s, GLenum t);
+    /// Fills the levels below the first as the driver does, down to 1×1.
+    void generateMipmaps();
     GLuint get() const { return handle_.get(); }
     explicit operator bool() const { return static_cast<bool>(handle_); }
     int width() const { return width_; }
@@ -134,6 +150,9 @@ class Texture2D {
     GLenum internalFormat() const { return internalFormat_; }
 
   private:
+    template <typename Level>
+    void begin(std::string_view label, std::span<const Level> levels);
+    void finish(std::string_view label, std::size_t levels);
     Handle<DeleteTexture> handle_;
     int width_ = 0;
     int height_ = 0;
@@ -189,7 +208,8 @@ class Sampler {
         GLenum minification = GL_NEAREST;
         GLenum magnification = GL_NEAREST;
         GLenum wrap = GL_CLAMP_TO_EDGE;
-        bool compare = false;  ///< depth textures: the share of texels that a reference is not beyond (≤)
+        bool compare = false;   ///< depth textures: the share of texels that a reference is not beyond (≤)
+        int maxAnisotropy = 1;  ///< above 1: kept to what the driver can; without the extension to 1
         auto operator<=>(const Params&) const = default;
     };
     Sampler() = default;
@@ -273,6 +293,17 @@ class Query {
 /// which then gives one channel.
 Image8 readPixels8(const Texture2D& texture);
 Image readPixels(const Texture2D& texture);
+/// One level of a texture: the row of t = 0 first, four channels, as they are stored (compressed ones as they
+/// are read).
+Image8 readLevel8(const Texture2D& texture, int level);
+/// What a level takes on the device, as the driver tells: its texels times the bits of its channels, or its
+/// blocks. A level that there is not has size 0.
+struct LevelMemory {
+    int width = 0;   ///< texels
+    int height = 0;  ///< texels
+    std::size_t bytes = 0;
+};
+LevelMemory levelMemory(const Texture2D& texture, int level);
 /// One level of a face of a cube: the row of t = 0 first, four channels.
 Image readPixels(const TextureCube& cube, int face, int level);
 
