@@ -30,6 +30,7 @@ AccumulationLab::AccumulationLab() = default;
 
 void AccumulationLab::useScene(Scene scene) {
     builtIn_ = false;
+    subject.setIdle("for what is built in");
     tessellation.setIdle("imported models keep their own triangles");
     if (scene.lights.empty())
         scene.lights = studioLights();
@@ -42,9 +43,12 @@ void AccumulationLab::useScene(Scene scene) {
 }
 
 void AccumulationLab::prepareScene() {
-    if (!builtIn_ || builtTessellation_ == tessellation)
+    if (!builtIn_ || (builtTessellation_ == tessellation && builtSubject_ == subject.index()))
         return;
-    scene_ = std::make_unique<ForwardScene>(makeToyTable(tessellation));
+    const auto wanted = subject.as<Subject>();
+    scene_ = std::make_unique<ForwardScene>(wanted == Subject::toys ? makeToyTable(tessellation)
+                                                                    : makeSubject(wanted));
+    builtSubject_ = subject.index();
     lights_ = scene_->scene().lights;
     bounds_ = scene_->scene().bounds();
     builtTessellation_ = tessellation;
@@ -57,10 +61,37 @@ const Scene& AccumulationLab::scene() {
 }
 
 Camera AccumulationLab::defaultCamera() const {
+    if (const std::optional<Camera> own = ownCamera())
+        return *own;
     if (builtIn_)
         return makeToyTable(3).cameras.front();
     const Scene& scene = scene_->scene();
     return scene.cameras.empty() ? frameBounds(scene.bounds(), composedAspect) : scene.cameras.front();
+}
+
+std::optional<Camera> AccumulationLab::ownCamera() const {
+    if (!builtIn_ || subject.as<Subject>() == Subject::toys)
+        return {};
+    return makeSubject(subject.as<Subject>()).cameras.front();
+}
+
+Lab::ReferenceJob AccumulationLab::reference(const Frame& frame) const {
+    if (!builtIn_ || subject.as<Subject>() == Subject::toys || method.as<Method>() != Method::accumulated)
+        return {};
+    EdgeSettings settings;
+    settings.subject = subject.as<Subject>();
+    settings.camera = cameraOf(frame);
+    settings.lamp.radius = lightSize;
+    settings.lamp.shape = lightShape.as<AreaLight::Shape>();
+    settings.seconds = time;
+    settings.shutterSeconds = shutter;
+    return [settings, width = frame.width, height = frame.height](const std::atomic<bool>&) {
+        const Image share = exactEdge(settings, width, height);
+        Image picture(width, height, 4, Encoding::linear);
+        for (std::size_t i = 0; i < picture.data.size(); ++i)
+            picture.data[i] = i % 4 == 3 ? 1 : share.data[i / 4];
+        return picture;
+    };
 }
 
 Bounds AccumulationLab::sceneBounds() const {
@@ -103,27 +134,29 @@ AccumulatedEffects AccumulationLab::calledFor() {
     const bool drawn = !scene_->scene().instances.empty();
     const bool moving = moves();
     reports_.clear();
-    const auto decide = [&](const char* name, bool yes, std::string reason) {
-        reports_.push_back({name, yes, std::move(reason), {}});
-        return yes && leftOut_.find(name) == leftOut_.end();
+    const AccumulatedEffects shown = builtIn_ ? effectsOf(subject.as<Subject>()) : effectsOf(Subject::toys);
+    const auto decide = [&](const char* name, bool isShown, bool yes, std::string reason) {
+        reports_.push_back(
+            {name, isShown && yes, isShown ? std::move(reason) : "the edge is for another effect", {}});
+        return isShown && yes && leftOut_.find(name) == leftOut_.end();
     };
     AccumulatedEffects effects;
-    effects.antialiasing = decide(antialiasingName, antialias && drawn,
+    effects.antialiasing = decide(antialiasingName, shown.antialiasing, antialias && drawn,
                                   !antialias ? "not asked for"
                                   : drawn    ? "outlines cross pixels"
                                              : "nothing is drawn");
     effects.depthOfField = decide(
-        depthOfFieldName, aperture > 0 && drawn,
+        depthOfFieldName, shown.depthOfField, aperture > 0 && drawn,
         aperture > 0 ? fmt::format("the lens is {:g} wide", 2 * aperture) : "a pinhole shows all sharp");
     const bool soft = casts() && lightSize > 0;
     effects.softShadows = decide(
-        softShadowsName, soft,
+        softShadowsName, shown.softShadows, soft,
         !casts() ? "no light casts a shadow"
         : soft   ? fmt::format("{} is {:g} wide",
                              lights_.front().name.empty() ? "the light" : lights_.front().name, 2 * lightSize)
                  : "the light is a point");
     effects.motionBlur =
-        decide(motionBlurName, moving,
+        decide(motionBlurName, shown.motionBlur, moving,
                shutter == 0 ? "the shutter is open for a moment only"
                : moving     ? fmt::format("something moves in the {:g} s of the exposure", shutter)
                             : "nothing moves during the exposure");
@@ -149,6 +182,8 @@ void AccumulationLab::markIdleKnobs() {
     lightShape.setIdle(!accumulated ? forAccumulated : lightSize > 0 ? "" : "the light is a point");
     buffer.setIdle(!accumulated ? forAccumulated : compensates ? "compensated sums are in 32-bit float" : "");
     block.setIdle(!accumulated ? forAccumulated : compensates ? "" : "for --sum=compensated");
+    if (builtIn_)
+        tessellation.setIdle(subject.as<Subject>() == Subject::toys ? "" : "the edge is of two triangles");
     taps.setIdle(accumulated ? "for --method=post-processed" : "");
     if (!builtIn_ && !isAnimated(scene_->scene()))
         for (Knob* knob : std::initializer_list<Knob*>{&shutter, &time})
@@ -270,7 +305,8 @@ void AccumulationLab::draw(graph::PassContext& context, const Shot& shot, const 
                              .params = shot.shadows,
                              .camera = shot.camera,
                              .lightIndex = 0,
-                             .lightPosition = scene_->scene().lights.front().position});
+                             .lightPosition = scene_->scene().lights.front().position},
+                            builtIn_ && subject.as<Subject>() == Subject::penumbra);
 }
 
 graph::Resource AccumulationLab::buildPostProcessed(graph::FrameGraph& graph, const Frame& frame,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lab/lab.h"
+#include "labs/21_accumulation/subject.h"
 #include "passes/accumulation.h"
 #include "passes/forward.h"
 #include "passes/shadow_map.h"
@@ -30,6 +31,10 @@ class AccumulationLab final : public Lab {
     void useScene(Scene scene) override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
+    /// The edges are looked at from where their closed forms hold.
+    std::optional<Camera> ownCamera() const override;
+    ReferenceJob reference(const Frame& frame) const override;
+    std::string referenceName() const override { return "the edge's closed form, in double"; }
     bool isConverging() const override { return converging_; }
     std::vector<EffectReport> effects() const override;
     void leaveOut(const std::vector<std::string>& effects) override;
@@ -38,6 +43,11 @@ class AccumulationLab final : public Lab {
     std::vector<HardCase> hardCases() override;
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }
 
+    ChoiceKnob subject{knobs(),
+                       "subject",
+                       {"toys", "edge", "moving-edge", "turning-edge", "defocused-edge", "penumbra"},
+                       0,
+                       "Toys on a table, or an edge that one effect blurs, in closed form"};
     IntKnob passes{knobs(), "passes", 64, {1, 65536, true}, "", "Pictures that are added up"};
     ChoiceKnob samples{knobs(),
                        "samples",
@@ -74,7 +84,7 @@ class AccumulationLab final : public Lab {
                          {3, 256, true}, "segments",     "Triangles around each solid of the built-in scene"};
 
     const Scene& scene();
-    /// Which effects the frame calls for, and why; as the knobs are.
+    /// Which effects the frame calls for as the knobs are; `effects` then says why.
     AccumulatedEffects calledFor();
     /// Of what the last frame added up.
     const Accumulator& accumulator() const { return whole_; }
@@ -111,6 +121,7 @@ class AccumulationLab final : public Lab {
 
     bool builtIn_ = true;
     int builtTessellation_ = 0;
+    int builtSubject_ = 0;
     float unit_ = 1;  ///< of the knobs' lengths, in the world's
     Bounds bounds_;
     std::unique_ptr<ForwardScene> scene_;
