@@ -95,11 +95,13 @@ enum class AccumulationBuffer { rgba8, rgba16f, rgba32f };
 /// Adds up pictures, over as many frames as wanted. Nothing is allocated before the first pass, and only what
 /// the summation needs.
 ///
-/// `compensated` adds blocks of `blockPasses` pictures by blending, and each block to the total by TwoSum
-/// (Ogita, Rump, Oishi, "Accurate sum and dot product", SIAM J. Sci. Comput. 26, 2005): of light that is
-/// nowhere negative, the mean is within (blockPasses + 3) · 2^-24 of itself after any number of passes up to
-/// 2^20 (with a division good to 1 ulp). The other two drift in 32 bits, and stand still in 16 and 8. Held by
-/// Accumulation.*.
+/// `compensated` adds blocks of `blockPasses` pictures by blending, and each block to the total by Kahan's
+/// sum
+/// ("Pracniques: further remarks on reducing truncation errors", CACM 8(1), 1965) with Knuth's exact TwoSum:
+/// of light that is nowhere negative, the mean is within (blockPasses + 3) · 2^-24 of itself after any number
+/// of passes up to 2^20 (with a division good to 1 ulp). The other two drift in 32 bits, and stand still in
+/// 16 and
+/// 8. Held by Accumulation.* and the lab's hard cases.
 class Accumulator {
   public:
     struct Params {

@@ -77,7 +77,7 @@ Scene makePenumbra() {
     matt.specular = glm::vec3(0);
     matt.doubleSided = true;
     scene.materials = {matt};
-    scene.meshes = {sheet("floor", 6, 6), sheet("sheet", 0, 6)};
+    scene.meshes = {sheet("floor", 12, 12), sheet("sheet", 0, 12)};
     const glm::mat4 lying(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, -1, 0), glm::vec4(0, 1, 0, 0),
                           glm::vec4(0, 0, 0, 1));
     glm::mat4 raised = lying;
@@ -89,8 +89,8 @@ Scene makePenumbra() {
     lamp.position = {0, lampHeight, 0};
     lamp.direction = {0, -1, 0};
     lamp.intensity = lampHeight * lampHeight;
-    lamp.innerConeRadians = 0.3f;
-    lamp.outerConeRadians = 0.35f;
+    lamp.innerConeRadians = 0.55f;
+    lamp.outerConeRadians = 0.6f;
     scene.lights = {lamp};
     scene.ambientLight = glm::vec3(0);
     Camera camera;

@@ -85,8 +85,8 @@ std::vector<Sweep> AccumulationLab::sweeps() {
     buffers.name = "buffers";
     buffers.points.clear();
     for (const auto& [sum, kept] : {std::pair("weighted", "rgba8"), std::pair("running-mean", "rgba8"),
-                                      std::pair("weighted", "rgba16f"), std::pair("running-mean", "rgba16f"),
-                                      std::pair("weighted", "rgba32f"), std::pair("compensated", "rgba32f")})
+                                    std::pair("weighted", "rgba16f"), std::pair("running-mean", "rgba16f"),
+                                    std::pair("weighted", "rgba32f"), std::pair("compensated", "rgba32f")})
         for (const char* count : {"4", "16", "64", "256", "1024"})
             buffers.points.push_back(
                 {{"buffer", kept}, {"sum", sum}, {"passes", count}, {"subject", "moving-edge"}});
