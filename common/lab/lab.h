@@ -31,6 +31,9 @@ struct Frame {
     std::uint64_t seed = 1;
     /// Of the picture: rgba8Srgb for people, rgba32f (linear light) for measurements.
     graph::Format pictureFormat = graph::Format::rgba8Srgb;
+    /// In a window: a picture that converges may be shown as far as it has come, and be gone on with in the
+    /// frames that follow (Lab::isConverging). Elsewhere every frame is whole.
+    bool live = false;
 };
 
 /// A figure with what it must be.
@@ -160,6 +163,10 @@ class Lab {
     virtual bool isMoving() const { return false; }
     virtual bool advance(double /*seconds*/, const HeldSeconds& /*held*/) { return false; }
     virtual std::vector<LabKey> keys() { return {}; }
+
+    /// True if the live frame that was built last shows less than it will: it is built again, as it is, until
+    /// this is false or anything has changed. Throws nothing.
+    virtual bool isConverging() const { return false; }
 
     /// Work that makes the reference picture (linear light) of this frame on the CPU, on any thread, without
     /// touching the lab again; it may give up, returning an empty image, once `stop` is set. Empty: no

@@ -212,6 +212,7 @@ class LabWindow {
         state_.lab = entry.folder();
         state_.renderer = window_.renderer();
         state_.frame.pictureFormat = graph::Format::rgba8Srgb;
+        state_.frame.live = true;
         labKeys_ = lab.keys();
         installCallbacks();
         glfwGetCursorPos(window_.glfw(), &cursor_.x, &cursor_.y);
@@ -555,6 +556,10 @@ class LabWindow {
         shown_->state = state_;
         shown_->state.knobs = lab_.knobs().values();
         shown_->counters = lab_.counters();
+        if (lab_.isConverging()) {
+            stale_ = true;
+            uiFrames_ = std::max(uiFrames_, 1);
+        }
     }
 
     void compare() {
@@ -567,6 +572,7 @@ class LabWindow {
             frame.width = reduced(frame.width);
             frame.height = reduced(frame.height);
             frame.pictureFormat = graph::Format::rgba32f;
+            frame.live = false;
             Lab::ReferenceJob job = lab_.reference(frame);
             if (!job) {
                 errorText_ = state_.model.empty() ? "no reference" : "no reference for imported models";
