@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <variant>
 
 #include "base/check.h"
 #include "math/vector.h"
@@ -66,6 +67,28 @@ PathCounts& PathCounts::operator+=(const PathCounts& other) {
     return *this;
 }
 
+namespace {
+
+Bsdf scatteringOf(const SurfaceValues& values, OpaqueModel model) {
+    const glm::vec3 color = glm::min(glm::vec3(values.baseColor), glm::vec3(1));
+    if (model != OpaqueModel::metallicRoughness && values.transmission < 0.5f && values.metallic < 1) {
+        if (model == OpaqueModel::lambert)
+            return Lambert{color};
+        const glm::vec3 diffuse = glm::min(values.diffuse, glm::vec3(1));
+        const glm::vec3 specular = glm::min(values.specular, glm::vec3(1) - diffuse);
+        if (model == OpaqueModel::phong)
+            return PhongBsdf{diffuse, specular, values.shininess};
+        return BlinnPhongBsdf{diffuse, specular, values.shininess};
+    }
+    return bsdfOf({.baseColor = color,
+                   .metallic = values.metallic,
+                   .roughness = values.roughness,
+                   .transmission = values.transmission,
+                   .ior = values.ior});
+}
+
+}  // namespace
+
 std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCounts* counts) {
     const std::optional<SurfacePoint> met = scene.scene().nearest(ray, {}, traversalOf(counts));
     if (!met)
@@ -74,11 +97,7 @@ std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCount
     vertex.point = *met;
     const Material& material = scene.scene().scene().materials[met->material];
     const SurfaceValues values = scene.scene().valuesAt(*met);
-    vertex.bsdf = bsdfOf({.baseColor = glm::min(glm::vec3(values.baseColor), glm::vec3(1)),
-                          .metallic = values.metallic,
-                          .roughness = values.roughness,
-                          .transmission = values.transmission,
-                          .ior = values.ior});
+    vertex.bsdf = scatteringOf(values, scene.model());
     if (met->front || material.doubleSided)
         vertex.emitted = values.emission;
     const glm::vec3 back = -ray.direction;
@@ -86,7 +105,7 @@ std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCount
     // Interpolated normals may have turned away from the eye where the surface has not.
     if ((glm::dot(normal, back) > 0) != met->front)
         normal = met->geometricNormal;
-    if (!met->front && !(values.transmission > 0))
+    if (!met->front && !std::holds_alternative<Dielectric>(vertex.bsdf))
         normal = -normal;
     glm::vec3 tangent = met->tangent;
     if (normal != met->shadingNormal && normal != -met->shadingNormal)

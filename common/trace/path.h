@@ -23,17 +23,24 @@
 /// for a ray. Held by Path.*.
 namespace quincunx {
 
+/// How surfaces scatter that are neither glass (transmission of a half and more) nor all metal: by the
+/// metallic-roughness numbers; by the base colour alone, evenly; or by the Phong numbers.
+enum class OpaqueModel { metallicRoughness, lambert, phong, blinnPhong };
+
 /// A scene ready for paths. What it refers to outlives it.
 class PathScene {
   public:
-    explicit PathScene(const TraceScene& scene) : scene_(scene), lights_(scene) {}
+    explicit PathScene(const TraceScene& scene, OpaqueModel model = OpaqueModel::metallicRoughness)
+        : scene_(scene), lights_(scene), model_(model) {}
 
     const TraceScene& scene() const { return scene_; }
     const LightSet& lights() const { return lights_; }
+    OpaqueModel model() const { return model_; }
 
   private:
     const TraceScene& scene_;
     LightSet lights_;
+    OpaqueModel model_;
 };
 
 /// When paths end.

@@ -57,8 +57,10 @@ class Hash {
     std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-std::uint64_t identityOf(const TraceScene& scene, const RenderSettings& settings) {
+std::uint64_t identityOf(const PathScene& paths, const RenderSettings& settings) {
+    const TraceScene& scene = paths.scene();
     Hash hash;
+    hash.addValue(paths.model());
     hash.addValue(fingerprint(scene.scene()));
     for (const TracedSolid& solid : scene.solids()) {
         hash.addValue(solid.shape.index());
@@ -70,11 +72,6 @@ std::uint64_t identityOf(const TraceScene& scene, const RenderSettings& settings
             hash.add(&part.min, sizeof part.min);
             hash.add(&part.max, sizeof part.max);
         }
-    }
-    if (scene.scene().environment) {
-        const Environment& environment = *scene.scene().environment;
-        hash.add(environment.panorama.data.data(), environment.panorama.data.size() * sizeof(float));
-        hash.add(&environment.tint, sizeof environment.tint);
     }
     const Scene& background = scene.scene();
     hash.add(&background.backgroundTop, sizeof background.backgroundTop);
@@ -95,7 +92,7 @@ std::uint64_t identityOf(const TraceScene& scene, const RenderSettings& settings
 }  // namespace
 
 ProgressiveRender::ProgressiveRender(const PathScene& scene, const RenderSettings& settings)
-    : scene_(scene), settings_(settings), identity_(identityOf(scene.scene(), settings)) {
+    : scene_(scene), settings_(settings), identity_(identityOf(scene, settings)) {
     QX_CHECK_GT(settings.width, 0);
     QX_CHECK_GT(settings.height, 0);
     QX_CHECK_GE(settings.limits.maxBounces, 0);
