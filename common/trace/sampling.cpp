@@ -339,14 +339,10 @@ float GridDistribution::density(glm::vec2 point) const {
 }
 
 float powerHeuristic(float own, float other) {
-    if (!(own > 0))
-        return 0;
-    if (own >= other) {
-        const float ratio = other / own;
-        return 1 / (1 + ratio * ratio);
-    }
-    const float ratio = own / other;
-    return ratio * ratio / (1 + ratio * ratio);
+    // Squares of floats stay in the range of double.
+    const double a = static_cast<double>(own) * own;
+    const double b = static_cast<double>(other) * other;
+    return own > 0 ? static_cast<float>(a / (a + b)) : 0;
 }
 
 float powerHeuristicNaive(float own, float other) {

@@ -415,25 +415,24 @@ std::optional<AcceleratorHit> TraceScene::Parts::nearestInShared(const SharedIns
 
 std::optional<Hit> TraceScene::Parts::meetSolid(const SolidFrame& one, const Ray& ray,
                                                 RayInterval interval) const {
-    const double tMin = interval.tMin;
-    if (one.ball && tMin <= 0) {
-        const std::optional<double> t =
-            raySphereDistance(DRay{dvec3(ray.origin), dvec3(ray.direction)}, *one.ball);
-        if (!t || *t > interval.tMax)
+    const double from = std::max<double>(interval.tMin, 0);
+    if (one.ball) {
+        const dvec3 direction(ray.direction);
+        const dvec3 start = dvec3(ray.origin) + from * direction;
+        const std::optional<double> t = raySphereDistance(DRay{start, direction}, *one.ball);
+        if (!t || from + *t > interval.tMax)
             return {};
         Hit hit;
-        hit.t = *t;
+        hit.t = from + *t;
         // Drawn onto the ball: t times the direction keeps few digits where the ray comes from afar.
-        const dvec3 off = dvec3(ray.origin) - one.ball->centre + *t * dvec3(ray.direction);
+        const dvec3 off = start - one.ball->centre + *t * direction;
         const double length = glm::length(off);
         hit.normal = length > 0 ? off / length : dvec3(0, 1, 0);
         hit.position = one.ball->centre + one.ball->radius * hit.normal;
         return hit;
     }
     DRay inModel = one.frame.toModel(ray);
-    const dvec3 start = inModel.origin;
-    double from = std::max(tMin, 0.0);
-    inModel.origin = start + from * inModel.direction;
+    inModel.origin += from * inModel.direction;
     std::optional<Hit> hit = one.solid.intersect(inModel);
     if (!hit || from + hit->t > interval.tMax)
         return {};
@@ -689,6 +688,18 @@ bool TraceScene::visible(const SurfacePoint& from, const SurfacePoint& to, Trave
 bool TraceScene::visible(const SurfacePoint& from, glm::vec3 to, TraversalCounts* counts) const {
     const glm::vec3 origin = movedOff(from, to - from.position, from.positionError);
     return !occluded({origin, to - origin}, {0, 1}, counts);
+}
+
+std::optional<SurfacePoint> nearestDrawn(const TraceScene& scene, const Ray& ray, RayInterval interval) {
+    for (;;) {
+        std::optional<SurfacePoint> point = scene.nearest(ray, interval);
+        if (!point || point->front || point->instance >= scene.scene().instances.size() ||
+            scene.scene().materials[point->material].doubleSided)
+            return point;
+        interval.tMin = std::nextafter(notBelow(point->t), std::numeric_limits<float>::infinity());
+        if (!(interval.tMin <= interval.tMax))
+            return {};
+    }
 }
 
 Scene movedBy(Scene scene, glm::dvec3 by) {

@@ -96,6 +96,10 @@ class TraceScene {
     std::unique_ptr<Parts> parts_;
 };
 
+/// The nearest surface that OpenGL would draw: triangles whose material is not double-sided are passed where
+/// the ray comes from behind them. Solids count from both sides.
+std::optional<SurfacePoint> nearestDrawn(const TraceScene& scene, const Ray& ray, RayInterval interval = {});
+
 /// The scene with everything moved by a vector, computed in double: what is far from the world's origin is
 /// moved there, so that rays, which are floats, keep their digits.
 Scene movedBy(Scene scene, glm::dvec3 by);

@@ -129,6 +129,25 @@ TEST(TraceScene, SolidsAreLeftAndEnteredToo) {
         }
 }
 
+TEST(TraceScene, WhatLiesBeforeTheIntervalIsPassed) {
+    Scene scene;
+    scene.materials.emplace_back();
+    const glm::mat4 moved = glm::translate(glm::mat4(1), {3, -2, 40});
+    const glm::mat4 squeezed = glm::scale(moved, {2, 2, 1});
+    for (const glm::mat4& placement : {moved, squeezed}) {
+        const TraceScene traced(scene, {{Sphere{1}, 0, placement}});
+        const Ray ray{glm::vec3(3, -2, 44), {0, 0, -1}};
+        const auto behind = traced.nearest(ray, {3.5f, 100});
+        ASSERT_TRUE(behind);
+        EXPECT_EQ(behind->t, 5);
+        EXPECT_EQ(behind->position, glm::vec3(3, -2, 39));
+        EXPECT_EQ(behind->geometricNormal, glm::vec3(0, 0, -1));
+        EXPECT_FALSE(behind->front);
+        EXPECT_FALSE(traced.nearest(ray, {3.5f, 4.5f}));
+        EXPECT_FALSE(traced.occluded(ray, {5.5f, 100}));
+    }
+}
+
 TEST(TraceScene, SharedMeshesAreMetWhereFlattenedOnesAre) {
     const glm::mat4 m = placement({0.5f, 0, -1}, 2, true);
     const TraceScene flat(oneBall(m, 24));
