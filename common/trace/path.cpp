@@ -19,9 +19,9 @@ float largest(glm::vec3 v) {
 
 /// Whether a path goes on; its weight grows by what the paths that end here would have brought. Always draws
 /// a number, so that a path's later ones are for the same things as its neighbours'.
-bool goesOn(glm::vec3& weight, const PathLimits& limits, PathSampler& sampler) {
+bool goesOn(glm::vec3& weight, float squeeze, const PathLimits& limits, PathSampler& sampler) {
     const float u = sampler.next();
-    const float w = largest(weight);
+    const float w = squeeze * largest(weight);
     if (!(w > limits.cutoff))
         return false;
     if (w >= limits.rouletteThreshold)
@@ -128,7 +128,12 @@ std::optional<Scattered> scatter(const PathVertex& vertex, PathSampler& sampler)
     const glm::vec3 wi = vertex.worldFromLocal * drawn->wi;
     if (!sidesAgree(vertex, drawn->wi, wi))
         return {};
-    return Scattered{TraceScene::leave(vertex.point, wi), drawn->weight, drawn->density, drawn->delta};
+    float squeeze = 1;
+    if (const auto* const glass = std::get_if<Dielectric>(&vertex.bsdf);
+        glass != nullptr && drawn->wi.z * vertex.wo.z < 0)
+        squeeze = vertex.wo.z > 0 ? glass->ior * glass->ior : 1 / (glass->ior * glass->ior);
+    return Scattered{TraceScene::leave(vertex.point, wi), drawn->weight, drawn->density, drawn->delta,
+                     squeeze};
 }
 
 std::optional<DirectLight> drawDirectLight(const PathScene& scene, const PathVertex& vertex,
@@ -160,6 +165,7 @@ glm::vec3 tracePathNaive(const PathScene& scene, Ray ray, PathSampler& sampler, 
                          PathCounts* counts) {
     glm::vec3 radiance(0);
     glm::vec3 weight(1);
+    float squeeze = 1;
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
         const std::optional<PathVertex> vertex = meet(scene, ray, counts);
@@ -172,7 +178,8 @@ glm::vec3 tracePathNaive(const PathScene& scene, Ray ray, PathSampler& sampler, 
         if (!next)
             return radiance;
         weight *= next->weight;
-        if (!goesOn(weight, limits, sampler))
+        squeeze *= next->squeeze;
+        if (!goesOn(weight, squeeze, limits, sampler))
             return radiance;
         ray = next->ray;
     }
@@ -182,6 +189,7 @@ glm::vec3 tracePathNee(const PathScene& scene, Ray ray, PathSampler& sampler, co
                        PathCounts* counts) {
     glm::vec3 radiance(0);
     glm::vec3 weight(1);
+    float squeeze = 1;
     std::optional<SurfacePoint> from;  // where a shadow ray was shot last
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
@@ -201,7 +209,8 @@ glm::vec3 tracePathNee(const PathScene& scene, Ray ray, PathSampler& sampler, co
         if (!next)
             return radiance;
         weight *= next->weight;
-        if (!goesOn(weight, limits, sampler))
+        squeeze *= next->squeeze;
+        if (!goesOn(weight, squeeze, limits, sampler))
             return radiance;
         ray = next->ray;
         // No shadow ray finds a light by a mirror or through smooth glass.
@@ -213,6 +222,7 @@ glm::vec3 tracePathMis(const PathScene& scene, Ray ray, PathSampler& sampler, co
                        PathCounts* counts) {
     glm::vec3 radiance(0);
     glm::vec3 weight(1);
+    float squeeze = 1;
     std::optional<SurfacePoint> from;  // where both ways were taken last …
     float density = 0;                 // … and that of the way that was gone
     for (int bounce = 0;; ++bounce) {
@@ -239,7 +249,8 @@ glm::vec3 tracePathMis(const PathScene& scene, Ray ray, PathSampler& sampler, co
         if (!next)
             return radiance;
         weight *= next->weight;
-        if (!goesOn(weight, limits, sampler))
+        squeeze *= next->squeeze;
+        if (!goesOn(weight, squeeze, limits, sampler))
             return radiance;
         ray = next->ray;
         from = next->delta ? std::nullopt : std::optional(vertex->point);

@@ -48,11 +48,11 @@ struct PathLimits {
     /// Surfaces that light is scattered at, most; the light that is lost beyond is the only bias. 0: emission
     /// alone, 1: direct light.
     int maxBounces = 1000;
-    /// Russian roulette: a path whose weight (its largest channel) is w goes on with the probability
-    /// min(1, w / threshold), and then counts by as much more (Arvo, Kirk, "Particle transport and image
-    /// synthesis", SIGGRAPH 1990). 1: paths end as light is absorbed; smaller: later; 0: never. Every
-    /// survivor weighs at least the threshold, so that a channel's variance stays bounded for every albedo
-    /// below 1.
+    /// Russian roulette: a path whose weight (its largest channel, glass apart) is w goes on with the
+    /// probability min(1, w / threshold), and then counts by as much more (Arvo, Kirk, "Particle transport
+    /// and image synthesis", SIGGRAPH 1990). 1: paths end as light is absorbed; smaller: later; 0: never.
+    /// Every survivor weighs at least the threshold, so that a channel's variance stays bounded for every
+    /// albedo below 1.
     float rouletteThreshold = 1;
     /// The flashcard's way: paths below this weight are dropped, their light is lost. 0: none.
     float cutoff = 0;
@@ -90,6 +90,9 @@ struct Scattered {
     glm::vec3 weight{0};  ///< f |cos| / density
     float density = 0;    ///< as BsdfSample::density
     bool delta = false;
+    /// What radiance is squeezed by where it enters glass: the square of the index. It spreads again where it
+    /// leaves, so that it says nothing about what a path is worth, and roulette leaves it out.
+    float squeeze = 1;
 };
 /// Nothing where the light is absorbed, and where the shading normal's answer leads through a surface that
 /// the real one does not let it through.
