@@ -225,19 +225,23 @@ Image renderPaths(ProgressiveRender& render, const RenderJob& job) {
         render.load(job.checkpoint);
     if (render.samples() >= job.samples)
         return render.picture();
+    using Clock = std::chrono::steady_clock;
     const int first = render.samples();
     Progress progress(job.title, static_cast<std::size_t>(job.samples - first));
-    auto saved = std::chrono::steady_clock::now();
+    Clock::time_point nextSave = Clock::now();
     try {
         while (render.samples() < job.samples) {
             if (!render.addSamples(std::min(job.samplesAPass, job.samples - render.samples()), job.stop))
-                return render.picture();
+                throwIfInterrupted();
+            if (job.stop != nullptr && *job.stop)
+                break;
             progress.note(fmt::format("error {:.2g}", render.errorEstimate()));
             progress.update(static_cast<std::size_t>(render.samples() - first));
-            const auto now = std::chrono::steady_clock::now();
-            if (kept && std::chrono::duration<double>(now - saved).count() >= job.secondsBetweenCheckpoints) {
+            if (kept && Clock::now() >= nextSave) {
+                const Clock::time_point start = Clock::now();
                 render.save(job.checkpoint);
-                saved = now;
+                const std::chrono::duration<double> pause = (Clock::now() - start) / job.checkpointShare;
+                nextSave = Clock::now() + std::chrono::duration_cast<Clock::duration>(pause);
             }
         }
     } catch (const Interrupted&) {

@@ -81,7 +81,7 @@ struct RenderJob {
     int samplesAPass = 4;
     /// Continued if it is there, rewritten as often as said, at the end, and when interrupted; empty: none.
     std::filesystem::path checkpoint = {};
-    double secondsBetweenCheckpoints = 10;
+    double checkpointShare = 0.05;  ///< of the time, at most, goes into writing it
     std::string title = "path tracing";
     const std::atomic<bool>* stop = nullptr;
 };

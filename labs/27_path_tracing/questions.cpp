@@ -186,6 +186,13 @@ std::vector<Measurement> measureMethods() {
 
 std::vector<Question> PathTracingLab::questions() {
     return {
+        {24, "How does path tracing get soft shadows from a light with an area?",
+         "At every surface that the path comes to, one shadow ray goes to one random point of the light. If "
+         "nothing is in between, the light counts with f Le cos θ cos θ′ A / r²: θ at the surface, θ′ at the "
+         "light, A the light's area, r the distance; that is one over the density of having chosen this "
+         "direction. Half hidden, half the rays get through. The mean is the area light's true one, and its "
+         "error falls with the root of the number of paths.",
+         "", [](Studio&) { return measureAreaLight(); }},
         {49, "The rendering equation: what does it say, and what is each of its parts?",
          "Lo(x, ω) = Le(x, ω) + ∫ f(x, ω′, ω) Li(x, ω′) (n·ω′) dω′. The radiance Lo that leaves a point x in "
          "a direction ω is what the surface emits itself, Le, and what it scatters of the radiance Li that "
@@ -197,13 +204,6 @@ std::vector<Question> PathTracingLab::questions() {
          "within itself: light that has been scattered once, twice, without end. Here the terms are "
          "estimated apart, and add up to what whole paths bring.",
          "", [](Studio&) { return measureEquation(); }},
-        {24, "How does path tracing get soft shadows from a light with an area?",
-         "At every surface that the path comes to, one shadow ray goes to one random point of the light. If "
-         "nothing is in between, the light counts with f Le cos θ cos θ′ A / r²: θ at the surface, θ′ at the "
-         "light, A the light's area, r the distance; that is one over the density of having chosen this "
-         "direction. Half hidden, half the rays get through. The mean is the area light's true one, and its "
-         "error falls with the root of the number of paths.",
-         "", [](Studio&) { return measureAreaLight(); }},
         {68, "What makes path tracing efficient?",
          "It follows one random ray from each surface instead of many. With b rays a surface their number "
          "grows by b from level to level, and nearly all the work goes into the last level, whose light "
