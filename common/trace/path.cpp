@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <variant>
 
 #include "base/check.h"
 #include "math/vector.h"
@@ -18,9 +19,9 @@ float largest(glm::vec3 v) {
 
 /// Whether a path goes on; its weight grows by what the paths that end here would have brought. Always draws
 /// a number, so that a path's later ones are for the same things as its neighbours'.
-bool goesOn(glm::vec3& weight, const PathLimits& limits, PathSampler& sampler) {
+bool goesOn(glm::vec3& weight, float squeeze, const PathLimits& limits, PathSampler& sampler) {
     const float u = sampler.next();
-    const float w = largest(weight);
+    const float w = squeeze * largest(weight);
     if (!(w > limits.cutoff))
         return false;
     if (w >= limits.rouletteThreshold)
@@ -66,6 +67,28 @@ PathCounts& PathCounts::operator+=(const PathCounts& other) {
     return *this;
 }
 
+namespace {
+
+Bsdf scatteringOf(const SurfaceValues& values, OpaqueModel model) {
+    const glm::vec3 color = glm::min(glm::vec3(values.baseColor), glm::vec3(1));
+    if (model != OpaqueModel::metallicRoughness && values.transmission < 0.5f && values.metallic < 1) {
+        if (model == OpaqueModel::lambert)
+            return Lambert{color};
+        const glm::vec3 diffuse = glm::min(values.diffuse, glm::vec3(1));
+        const glm::vec3 specular = glm::min(values.specular, glm::vec3(1) - diffuse);
+        if (model == OpaqueModel::phong)
+            return PhongBsdf{diffuse, specular, values.shininess};
+        return BlinnPhongBsdf{diffuse, specular, values.shininess};
+    }
+    return bsdfOf({.baseColor = color,
+                   .metallic = values.metallic,
+                   .roughness = values.roughness,
+                   .transmission = values.transmission,
+                   .ior = values.ior});
+}
+
+}  // namespace
+
 std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCounts* counts) {
     const std::optional<SurfacePoint> met = scene.scene().nearest(ray, {}, traversalOf(counts));
     if (!met)
@@ -74,11 +97,7 @@ std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCount
     vertex.point = *met;
     const Material& material = scene.scene().scene().materials[met->material];
     const SurfaceValues values = scene.scene().valuesAt(*met);
-    vertex.bsdf = bsdfOf({.baseColor = glm::min(glm::vec3(values.baseColor), glm::vec3(1)),
-                          .metallic = values.metallic,
-                          .roughness = values.roughness,
-                          .transmission = values.transmission,
-                          .ior = values.ior});
+    vertex.bsdf = scatteringOf(values, scene.model());
     if (met->front || material.doubleSided)
         vertex.emitted = values.emission;
     const glm::vec3 back = -ray.direction;
@@ -86,7 +105,7 @@ std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCount
     // Interpolated normals may have turned away from the eye where the surface has not.
     if ((glm::dot(normal, back) > 0) != met->front)
         normal = met->geometricNormal;
-    if (!met->front && !(values.transmission > 0))
+    if (!met->front && !std::holds_alternative<Dielectric>(vertex.bsdf))
         normal = -normal;
     glm::vec3 tangent = met->tangent;
     if (normal != met->shadingNormal && normal != -met->shadingNormal)
@@ -109,7 +128,12 @@ std::optional<Scattered> scatter(const PathVertex& vertex, PathSampler& sampler)
     const glm::vec3 wi = vertex.worldFromLocal * drawn->wi;
     if (!sidesAgree(vertex, drawn->wi, wi))
         return {};
-    return Scattered{TraceScene::leave(vertex.point, wi), drawn->weight, drawn->density, drawn->delta};
+    float squeeze = 1;
+    if (const auto* const glass = std::get_if<Dielectric>(&vertex.bsdf);
+        glass != nullptr && drawn->wi.z * vertex.wo.z < 0)
+        squeeze = vertex.wo.z > 0 ? glass->ior * glass->ior : 1 / (glass->ior * glass->ior);
+    return Scattered{TraceScene::leave(vertex.point, wi), drawn->weight, drawn->density, drawn->delta,
+                     squeeze};
 }
 
 std::optional<DirectLight> drawDirectLight(const PathScene& scene, const PathVertex& vertex,
@@ -141,6 +165,7 @@ glm::vec3 tracePathNaive(const PathScene& scene, Ray ray, PathSampler& sampler, 
                          PathCounts* counts) {
     glm::vec3 radiance(0);
     glm::vec3 weight(1);
+    float squeeze = 1;
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
         const std::optional<PathVertex> vertex = meet(scene, ray, counts);
@@ -153,7 +178,8 @@ glm::vec3 tracePathNaive(const PathScene& scene, Ray ray, PathSampler& sampler, 
         if (!next)
             return radiance;
         weight *= next->weight;
-        if (!goesOn(weight, limits, sampler))
+        squeeze *= next->squeeze;
+        if (!goesOn(weight, squeeze, limits, sampler))
             return radiance;
         ray = next->ray;
     }
@@ -163,6 +189,7 @@ glm::vec3 tracePathNee(const PathScene& scene, Ray ray, PathSampler& sampler, co
                        PathCounts* counts) {
     glm::vec3 radiance(0);
     glm::vec3 weight(1);
+    float squeeze = 1;
     std::optional<SurfacePoint> from;  // where a shadow ray was shot last
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
@@ -182,7 +209,8 @@ glm::vec3 tracePathNee(const PathScene& scene, Ray ray, PathSampler& sampler, co
         if (!next)
             return radiance;
         weight *= next->weight;
-        if (!goesOn(weight, limits, sampler))
+        squeeze *= next->squeeze;
+        if (!goesOn(weight, squeeze, limits, sampler))
             return radiance;
         ray = next->ray;
         // No shadow ray finds a light by a mirror or through smooth glass.
@@ -194,6 +222,7 @@ glm::vec3 tracePathMis(const PathScene& scene, Ray ray, PathSampler& sampler, co
                        PathCounts* counts) {
     glm::vec3 radiance(0);
     glm::vec3 weight(1);
+    float squeeze = 1;
     std::optional<SurfacePoint> from;  // where both ways were taken last …
     float density = 0;                 // … and that of the way that was gone
     for (int bounce = 0;; ++bounce) {
@@ -220,7 +249,8 @@ glm::vec3 tracePathMis(const PathScene& scene, Ray ray, PathSampler& sampler, co
         if (!next)
             return radiance;
         weight *= next->weight;
-        if (!goesOn(weight, limits, sampler))
+        squeeze *= next->squeeze;
+        if (!goesOn(weight, squeeze, limits, sampler))
             return radiance;
         ray = next->ray;
         from = next->delta ? std::nullopt : std::optional(vertex->point);

@@ -23,17 +23,24 @@
 /// for a ray. Held by Path.*.
 namespace quincunx {
 
+/// How surfaces scatter that are neither glass (transmission of a half and more) nor all metal: by the
+/// metallic-roughness numbers; by the base colour alone, evenly; or by the Phong numbers.
+enum class OpaqueModel { metallicRoughness, lambert, phong, blinnPhong };
+
 /// A scene ready for paths. What it refers to outlives it.
 class PathScene {
   public:
-    explicit PathScene(const TraceScene& scene) : scene_(scene), lights_(scene) {}
+    explicit PathScene(const TraceScene& scene, OpaqueModel model = OpaqueModel::metallicRoughness)
+        : scene_(scene), lights_(scene), model_(model) {}
 
     const TraceScene& scene() const { return scene_; }
     const LightSet& lights() const { return lights_; }
+    OpaqueModel model() const { return model_; }
 
   private:
     const TraceScene& scene_;
     LightSet lights_;
+    OpaqueModel model_;
 };
 
 /// When paths end.
@@ -41,11 +48,11 @@ struct PathLimits {
     /// Surfaces that light is scattered at, most; the light that is lost beyond is the only bias. 0: emission
     /// alone, 1: direct light.
     int maxBounces = 1000;
-    /// Russian roulette: a path whose weight (its largest channel) is w goes on with the probability
-    /// min(1, w / threshold), and then counts by as much more (Arvo, Kirk, "Particle transport and image
-    /// synthesis", SIGGRAPH 1990). 1: paths end as light is absorbed; smaller: later; 0: never. Every
-    /// survivor weighs at least the threshold, so that a channel's variance stays bounded for every albedo
-    /// below 1.
+    /// Russian roulette: a path whose weight (its largest channel, glass apart) is w goes on with the
+    /// probability min(1, w / threshold), and then counts by as much more (Arvo, Kirk, "Particle transport
+    /// and image synthesis", SIGGRAPH 1990). 1: paths end as light is absorbed; smaller: later; 0: never.
+    /// Every survivor weighs at least the threshold, so that a channel's variance stays bounded for every
+    /// albedo below 1.
     float rouletteThreshold = 1;
     /// The flashcard's way: paths below this weight are dropped, their light is lost. 0: none.
     float cutoff = 0;
@@ -83,6 +90,9 @@ struct Scattered {
     glm::vec3 weight{0};  ///< f |cos| / density
     float density = 0;    ///< as BsdfSample::density
     bool delta = false;
+    /// What radiance is squeezed by where it enters glass: the square of the index. It spreads again where it
+    /// leaves, so that it says nothing about what a path is worth, and roulette leaves it out.
+    float squeeze = 1;
 };
 /// Nothing where the light is absorbed, and where the shading normal's answer leads through a surface that
 /// the real one does not let it through.

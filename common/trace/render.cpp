@@ -57,8 +57,10 @@ class Hash {
     std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-std::uint64_t identityOf(const TraceScene& scene, const RenderSettings& settings) {
+std::uint64_t identityOf(const PathScene& paths, const RenderSettings& settings) {
+    const TraceScene& scene = paths.scene();
     Hash hash;
+    hash.addValue(paths.model());
     hash.addValue(fingerprint(scene.scene()));
     for (const TracedSolid& solid : scene.solids()) {
         hash.addValue(solid.shape.index());
@@ -70,11 +72,6 @@ std::uint64_t identityOf(const TraceScene& scene, const RenderSettings& settings
             hash.add(&part.min, sizeof part.min);
             hash.add(&part.max, sizeof part.max);
         }
-    }
-    if (scene.scene().environment) {
-        const Environment& environment = *scene.scene().environment;
-        hash.add(environment.panorama.data.data(), environment.panorama.data.size() * sizeof(float));
-        hash.add(&environment.tint, sizeof environment.tint);
     }
     const Scene& background = scene.scene();
     hash.add(&background.backgroundTop, sizeof background.backgroundTop);
@@ -95,7 +92,7 @@ std::uint64_t identityOf(const TraceScene& scene, const RenderSettings& settings
 }  // namespace
 
 ProgressiveRender::ProgressiveRender(const PathScene& scene, const RenderSettings& settings)
-    : scene_(scene), settings_(settings), identity_(identityOf(scene.scene(), settings)) {
+    : scene_(scene), settings_(settings), identity_(identityOf(scene, settings)) {
     QX_CHECK_GT(settings.width, 0);
     QX_CHECK_GT(settings.height, 0);
     QX_CHECK_GE(settings.limits.maxBounces, 0);
@@ -228,19 +225,23 @@ Image renderPaths(ProgressiveRender& render, const RenderJob& job) {
         render.load(job.checkpoint);
     if (render.samples() >= job.samples)
         return render.picture();
+    using Clock = std::chrono::steady_clock;
     const int first = render.samples();
     Progress progress(job.title, static_cast<std::size_t>(job.samples - first));
-    auto saved = std::chrono::steady_clock::now();
+    Clock::time_point nextSave = Clock::now();
     try {
         while (render.samples() < job.samples) {
             if (!render.addSamples(std::min(job.samplesAPass, job.samples - render.samples()), job.stop))
-                return render.picture();
+                throwIfInterrupted();
+            if (job.stop != nullptr && *job.stop)
+                break;
             progress.note(fmt::format("error {:.2g}", render.errorEstimate()));
             progress.update(static_cast<std::size_t>(render.samples() - first));
-            const auto now = std::chrono::steady_clock::now();
-            if (kept && std::chrono::duration<double>(now - saved).count() >= job.secondsBetweenCheckpoints) {
+            if (kept && Clock::now() >= nextSave) {
+                const Clock::time_point start = Clock::now();
                 render.save(job.checkpoint);
-                saved = now;
+                const std::chrono::duration<double> pause = (Clock::now() - start) / job.checkpointShare;
+                nextSave = Clock::now() + std::chrono::duration_cast<Clock::duration>(pause);
             }
         }
     } catch (const Interrupted&) {

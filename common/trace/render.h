@@ -18,9 +18,9 @@ namespace quincunx {
 struct RenderSettings {
     int width = 320;   ///< pixels
     int height = 240;  ///< pixels
-    Camera camera;
+    Camera camera = {};
     PathMethod method = PathMethod::mis;
-    PathLimits limits;
+    PathLimits limits = {};
     PathSampler::Kind numbers = PathSampler::Kind::sobol;
     std::uint64_t seed = 1;
     /// 0: paths; else `traceTree` with so many branches, one tree a sample.
@@ -80,8 +80,8 @@ struct RenderJob {
     int samples = 64;  ///< of every pixel, in the end
     int samplesAPass = 4;
     /// Continued if it is there, rewritten as often as said, at the end, and when interrupted; empty: none.
-    std::filesystem::path checkpoint;
-    double secondsBetweenCheckpoints = 10;
+    std::filesystem::path checkpoint = {};
+    double checkpointShare = 0.05;  ///< of the time, at most, goes into writing it
     std::string title = "path tracing";
     const std::atomic<bool>* stop = nullptr;
 };

@@ -641,9 +641,13 @@ SurfaceValues TraceScene::valuesAt(const SurfacePoint& point) const {
         return parts_->read(use, point.instance, point.triangle, point.weights, point.texcoord);
     };
     SurfaceValues values;
-    glm::vec4 color = material.baseColor * point.color;
+    glm::vec4 color = point.color;
     if (material.baseColorTexture)
         color *= read(*material.baseColorTexture);
+    values.diffuse = sane(material.diffuse * glm::vec3(color), brightest);
+    values.specular = sane(material.specular, brightest);
+    values.shininess = sane(material.shininess, 1e5f);
+    color *= material.baseColor;
     values.baseColor = glm::vec4(sane(glm::vec3(color), brightest), sane(color.a, 1));
     float metallic = material.metallic;
     float roughness = material.roughness;

@@ -52,6 +52,9 @@ struct SurfaceValues {
     float ior = 1.5f;
     float occlusion = 1;    ///< share of ambient light that arrives
     glm::vec3 emission{0};  ///< of the side that emits, W/(m² sr)
+    glm::vec3 diffuse{0};   ///< Material::diffuse times the base colour's texture and the vertex colour
+    glm::vec3 specular{0};  ///< Material::specular
+    float shininess = 0;
 };
 
 /// A scene made ready for rays: meshes that are used once, or that are small, are flattened into one set of
