@@ -2,6 +2,8 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "trace/bvh.h"
+#include "trace/wide_bvh.h"
 
 namespace quincunx {
 namespace {
@@ -74,14 +76,22 @@ std::string_view structureName(Structure structure) {
 }
 
 bool isAvailable(Structure structure) {
-    return structure == Structure::bruteForce;
+    return structure == Structure::bruteForce || structure == Structure::binaryBvh ||
+           structure == Structure::wideBvh;
 }
 
 std::unique_ptr<Accelerator> makeAccelerator(Structure structure, TriangleView triangles) {
     if (!isAvailable(structure))
         throw EnvironmentError("the structure " + std::string(structureName(structure)) + " is not installed",
                                {}, "choose another one");
-    return std::make_unique<BruteForce>(triangles);
+    switch (structure) {
+        case Structure::binaryBvh:
+            return std::make_unique<BinaryBvh>(triangles);
+        case Structure::wideBvh:
+            return std::make_unique<WideBvh>(triangles);
+        default:
+            return std::make_unique<BruteForce>(triangles);
+    }
 }
 
 }  // namespace quincunx
