@@ -23,7 +23,7 @@
 /// equal, is decided by exact arithmetic on the given floats.
 ///
 /// A ray in a face, along an edge, through a corner or along a cylinder's side is taken as if its origin were
-/// moved by (ε, ε², ε³), ε above zero and smaller than any number (Edelsbrunner and Mücke, "Simulation of
+/// moved by (ε⁴, ε⁶, ε⁷), ε above zero and smaller than any number (Edelsbrunner and Mücke, "Simulation of
 /// simplicity", ACM TOG 9, 1990). So such rays are inside of exactly one of two solids that share the face.
 ///
 /// Where all numbers of a solid are 0 or less than 2^20 apart in magnitude, and likewise the ray's, all this

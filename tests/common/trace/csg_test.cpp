@@ -216,9 +216,10 @@ TEST(Csg, AgreesWithExactMembershipAlongRaysMovedByAnInfinitesimal) {
                 ends.push_back(crossing.t);
             std::sort(ends.begin(), ends.end());
             // The move, small against any distance on the lattice that is not zero.
-            const Rational epsilon = Rational(1) / Rational(boost::multiprecision::mpz_int(1) << 80);
-            const Point origin =
-                Point(ray.origin) + Point(epsilon, epsilon * epsilon, epsilon * epsilon * epsilon);
+            const Rational epsilon = Rational(1) / Rational(boost::multiprecision::mpz_int(1) << 40);
+            const Rational fourth = epsilon * epsilon * epsilon * epsilon;
+            const Point origin = Point(ray.origin) + Point(fourth, fourth * epsilon * epsilon,
+                                                           fourth * epsilon * epsilon * epsilon);
             const Point direction(ray.direction);
             for (std::size_t j = 0; j + 1 < ends.size(); ++j) {
                 if (ends[j + 1] - ends[j] < 1e-9)
@@ -393,7 +394,7 @@ TEST(Csg, TangentsHaveNoIntervalAndGrazingChordsDo) {
 
 TEST(Csg, AllocatesNothingOnceWarm) {
     Random random(9);
-    const CsgSolid solid(randomModel(random, 5).csg);
+    const CsgSolid solid(unite(randomModel(random, 5).csg, Csg::ball({{0.1f, 0, 0}, 1})));
     std::vector<Ray> rays;
     for (int i = 0; i < 3000; ++i)
         rays.push_back(randomRay(random));
