@@ -316,6 +316,18 @@ std::size_t CsgSolid::leafCount() const {
     return parts_->leaves.size();
 }
 
+std::uint32_t CsgSolid::material(std::uint32_t leaf) const {
+    return parts_->leaves[leaf].material;
+}
+
+std::vector<std::uint32_t> CsgSolid::materials() const {
+    std::vector<std::uint32_t> used;
+    for (const Parts::Leaf& leaf : parts_->leaves)
+        if (std::find(used.begin(), used.end(), leaf.material) == used.end())
+            used.push_back(leaf.material);
+    return used;
+}
+
 Bounds CsgSolid::bounds() const {
     const Box& box = parts_->items.back().box;
     if (box.empty())

@@ -115,6 +115,10 @@ class CsgSolid {
     /// Holds the solid; empty where the solid must be.
     Bounds bounds() const;
     std::size_t leafCount() const;
+    /// Of a part.
+    std::uint32_t material(std::uint32_t leaf) const;
+    /// Of all parts, each once.
+    std::vector<std::uint32_t> materials() const;
 
   private:
     struct Parts;
