@@ -154,9 +154,8 @@ glm::vec3 WhittedScene::throughGlass(const Ray& ray, CsgScratch& scratch) const 
 
 glm::vec3 WhittedScene::sky(glm::vec3 direction) const {
     const float height = glm::clamp(direction.y / glm::length(direction), -1.0f, 1.0f);
-    // Below the horizon it darkens towards the ground that is not there.
     if (height < 0)
-        return glm::mix(contents_.skyHorizon, 0.35f * contents_.skyHorizon, std::sqrt(-height));
+        return glm::mix(contents_.skyHorizon, contents_.skyNadir, std::sqrt(-height));
     return glm::mix(contents_.skyHorizon, contents_.skyZenith, std::sqrt(height));
 }
 

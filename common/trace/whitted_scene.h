@@ -64,6 +64,7 @@ struct WhittedContents {
     std::vector<AreaLight> lights;
     glm::vec3 skyZenith{0.2f, 0.3f, 0.5f};
     glm::vec3 skyHorizon{0.8f, 0.85f, 0.9f};
+    glm::vec3 skyNadir{0.3f, 0.3f, 0.32f};
     glm::vec3 ambient{0.1f};  ///< radiance that stands for all light that is not traced
 };
 

@@ -46,7 +46,7 @@ class RayTracingLab final : public Lab {
     FloatKnob minWeight{knobs(),   "min-weight",
                         0.0078125, {0.000244140625f, 1, true},
                         "",        "Share of its pixel below which a ray is not traced, or by chance"};
-    IntKnob shadowRays{knobs(), "shadow-rays", 16, {1, 256, true}, "", "Towards the lamp, from each point"};
+    IntKnob shadowRays{knobs(), "shadow-rays", 4, {1, 256, true}, "", "Towards the lamp, from each point"};
     ChoiceKnob pattern{knobs(),
                        "pattern",
                        {"regular", "random", "jittered", "n-rooks", "halton", "sobol", "quincunx"},

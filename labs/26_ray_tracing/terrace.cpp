@@ -193,13 +193,14 @@ WhittedContents makeTerrace(Sculpture sculpture, float lampSize) {
                                glm::vec3(40.0f, 33.0f, 25.0f) / (lampSize * lampSize)});
     contents.skyZenith = {0.10f, 0.17f, 0.36f};
     contents.skyHorizon = {0.86f, 0.60f, 0.44f};
+    contents.skyNadir = 0.35f * contents.skyHorizon;
     contents.ambient = {0.16f, 0.19f, 0.26f};
     return contents;
 }
 
 Camera terraceCamera() {
     Camera camera;
-    camera.worldFromCamera = lookAt({0.9f, 2.9f, 8.6f}, {0.25f, 1.2f, -0.4f}, {0, 1, 0});
+    camera.worldFromCamera = lookAt({-2.9f, 3.9f, 8.3f}, {0.1f, 1.05f, -0.35f}, {0, 1, 0});
     camera.fovYRadians = glm::radians(36.0f);
     camera.farDistance = 100;
     return camera;
