@@ -17,8 +17,9 @@ namespace quincunx {
 
 /// What a surface does with light, to the Whitted tracer. Colours are linear RGB in [0, 1].
 struct WhittedMaterial {
-    glm::vec3 diffuse{0.7f};             ///< Lambertian albedo
-    std::optional<glm::vec3> otherTile;  ///< the albedo of every second tile of a checkered floor, in x and z
+    glm::vec3 diffuse{0.7f};  ///< Lambertian albedo
+    std::optional<glm::vec3> otherTile =
+        {};  ///< the albedo of every second tile of a checkered floor, in x and z
     float tileSize = 1;
     glm::vec3 mirror{0};      ///< of a metal, mirrored at normal incidence; towards grazing as Schlick has it
     float ior = 1;            ///< above 1: glass, or a clear coat that mirrors as Fresnel has it

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "labs/26_ray_tracing/lab.h"
+#include "math/quad_oracle.h"
 #include "math/stress_inputs.h"
 #include "math/vector.h"
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "gl/executor.h"
+#include "gl/program.h"
 #include "gl/upload.h"
 #include "scene/import.h"
 

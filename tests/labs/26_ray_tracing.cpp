@@ -74,8 +74,9 @@ TEST_P(RayTracing26, EveryKnobChangesThePictureOrIsMeantNotTo) {
     EXPECT_GT(changes("supersample", "2"), 1e-2);
     EXPECT_EQ(changes("shadow-cache", "off"), 0);
     for (const std::string& structure : lab_.structure.options())
-        if (structure != "brute-force")
+        if (structure != "brute-force") {
             EXPECT_EQ(changes("structure", structure.c_str()), 0) << structure;
+        }
     lab_.markIdleKnobs();
     EXPECT_TRUE(lab_.maxDepth.idle().empty());
     EXPECT_FALSE(lab_.minWeight.idle().empty());
@@ -197,8 +198,9 @@ TEST(RayTracing26Routines, MailboxesAreRightWhenRayNumbersRunOut) {
         const auto got = grid.nearest(ray, &boxes, counts);
         const auto expected = scene.triangles().nearest(ray);
         ASSERT_EQ(got.has_value(), expected.has_value());
-        if (got)
+        if (got) {
             EXPECT_EQ(got->triangle, expected->triangle);
+        }
     }
 }
 
@@ -264,8 +266,9 @@ TEST(RayTracing26Sweeps, ErrorsFallWhereRaysAreSpent) {
             // A depth of 0 lacks all mirrors; roulette and random points vary, but not by this much.
             EXPECT_LT(values.back(), 0.5 * values.front()) << sweep.name << " " << series;
         }
-        if (sweep.name == "recursion")
+        if (sweep.name == "recursion") {
             EXPECT_GE(sweep.points.size(), 15u);
+        }
     }
 }
 

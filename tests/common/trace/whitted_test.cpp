@@ -268,9 +268,10 @@ TEST(Whitted, StructuresGiveTheSamePicture) {
     const Camera camera = cameraAt({0, 1.8f, 4}, {0, 0.4f, 0});
     const Image brute = renderWhitted(WhittedScene(someScene(), Structure::bruteForce), camera, 40, 30, {});
     for (const Structure structure : allStructures)
-        if (isAvailable(structure))
+        if (isAvailable(structure)) {
             EXPECT_EQ(brute, renderWhitted(WhittedScene(someScene(), structure), camera, 40, 30, {}))
                 << structureName(structure);
+        }
 }
 
 TEST(LeaveSurface, StartsAboveTheSurfaceFarAndNear) {
