@@ -190,9 +190,9 @@ WhittedContents makeTerrace(Sculpture sculpture, float lampSize) {
     const glm::vec3 u = glm::normalize(glm::cross(down, glm::vec3(0, 1, 0)));
     const glm::vec3 v = glm::cross(down, u);
     contents.lights.push_back({lampAt - 0.5f * side * (u + v), side * u, side * v,
-                               glm::vec3(40.0f, 33.0f, 25.0f) / (lampSize * lampSize)});
-    contents.skyZenith = {0.10f, 0.17f, 0.36f};
-    contents.skyHorizon = {0.86f, 0.60f, 0.44f};
+                               glm::vec3(56.0f, 46.0f, 34.0f) / (lampSize * lampSize)});
+    contents.skyZenith = {0.05f, 0.11f, 0.30f};
+    contents.skyHorizon = {0.80f, 0.53f, 0.40f};
     contents.skyNadir = 0.35f * contents.skyHorizon;
     contents.ambient = {0.16f, 0.19f, 0.26f};
     return contents;

@@ -237,7 +237,7 @@ TEST(Csg, AgreesWithExactMembershipAlongRaysMovedByAnInfinitesimal) {
         }
     }
     // The test would pass on empty solids alone: it has not met those alone. Measured: 9%.
-    EXPECT_GT(places, 20000u);
+    EXPECT_GT(places, 10000u);
     EXPECT_GT(inside, places / 20);
     EXPECT_GT(scratch.exact, 1000u);
 }

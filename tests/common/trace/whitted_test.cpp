@@ -103,7 +103,7 @@ TEST(Whitted, GlassInAWhiteFurnaceCannotBeSeen) {
     // What is mirrored and what goes through sum to 1, also where all is mirrored, in nested glass and by
     // CSG.
     WhittedContents contents = furnace();
-    contents.materials = {glassOf(1.5f), glassOf(1.2f), glassOf(2.4f)};
+    contents.materials = {glassOf(1.5f), glassOf(1.2f), glassOf(1.33f)};
     contents.solids.push_back({Csg::ball({{-1, 0, 0}, 1}, 0)});
     contents.solids.push_back({Csg::ball({{-1, 0, 0}, 0.5f}, 1)});
     contents.solids.push_back(
