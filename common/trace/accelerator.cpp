@@ -1,8 +1,10 @@
 #include "trace/accelerator.h"
 
 #include "base/check.h"
-#include "base/error.h"
+#include "trace/bsp.h"
 #include "trace/bvh.h"
+#include "trace/embree.h"
+#include "trace/grid.h"
 #include "trace/wide_bvh.h"
 
 namespace quincunx {
@@ -76,22 +78,26 @@ std::string_view structureName(Structure structure) {
 }
 
 bool isAvailable(Structure structure) {
-    return structure == Structure::bruteForce || structure == Structure::binaryBvh ||
-           structure == Structure::wideBvh;
+    return structure != Structure::embree || isEmbreeAvailable();
 }
 
 std::unique_ptr<Accelerator> makeAccelerator(Structure structure, TriangleView triangles) {
-    if (!isAvailable(structure))
-        throw EnvironmentError("the structure " + std::string(structureName(structure)) + " is not installed",
-                               {}, "choose another one");
     switch (structure) {
+        case Structure::bruteForce:
+            return std::make_unique<BruteForce>(triangles);
+        case Structure::grid:
+            return std::make_unique<Grid>(triangles);
+        case Structure::bsp:
+            return std::make_unique<Bsp>(triangles);
         case Structure::binaryBvh:
             return std::make_unique<BinaryBvh>(triangles);
         case Structure::wideBvh:
             return std::make_unique<WideBvh>(triangles);
-        default:
-            return std::make_unique<BruteForce>(triangles);
+        case Structure::embree:
+            return makeEmbree(triangles);
     }
+    QX_CHECK(!"a structure");
+    return nullptr;
 }
 
 }  // namespace quincunx

@@ -136,6 +136,19 @@ bool WideBvh::occluded(const Ray& ray, RayInterval interval, TraversalCounts* co
     return kernels_->occluded(tree_, ray, interval, counts);
 }
 
+void WideBvh::nearestOfEach(std::span<const Ray> rays, RayInterval interval,
+                            std::span<std::optional<AcceleratorHit>> hits, TraversalCounts* counts) const {
+    QX_CHECK_EQ(rays.size(), hits.size());
+    if (!tree_.blocks.empty() && interval.tMin <= interval.tMax) {
+        kernels_->nearestOfEach(tree_, rays, interval, hits, counts);
+        return;
+    }
+    for (auto& hit : hits)
+        hit.reset();
+    if (counts)
+        counts->rays += rays.size();
+}
+
 std::size_t WideBvh::memoryBytes() const {
     return tree_.nodes.capacity() * sizeof(detail::WideNode) +
            tree_.blocks.capacity() * sizeof(detail::TriangleBlock);

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "trace/accelerator.h"
@@ -59,6 +61,8 @@ struct WideTree {
 struct WideKernels {
     std::optional<AcceleratorHit> (*nearest)(const WideTree&, const Ray&, RayInterval, TraversalCounts*);
     bool (*occluded)(const WideTree&, const Ray&, RayInterval, TraversalCounts*);
+    void (*nearestOfEach)(const WideTree&, std::span<const Ray>, RayInterval,
+                          std::span<std::optional<AcceleratorHit>>, TraversalCounts*);
 };
 
 }  // namespace detail
@@ -78,6 +82,10 @@ class WideBvh : public Accelerator {
                                           TraversalCounts* counts = nullptr) const override;
     bool occluded(const Ray& ray, RayInterval interval = {},
                   TraversalCounts* counts = nullptr) const override;
+    /// 16 rays at a time where the directions of 16 that follow one another have the same signs.
+    void nearestOfEach(std::span<const Ray> rays, RayInterval interval,
+                       std::span<std::optional<AcceleratorHit>> hits,
+                       TraversalCounts* counts = nullptr) const override;
     std::size_t memoryBytes() const override;
 
   private:

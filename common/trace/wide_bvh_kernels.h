@@ -16,9 +16,6 @@
 #include "trace/triangle_filter.h"
 #include "trace/wide_bvh.h"
 
-// No function with vectors among its parameters is ever called: all are inlined.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace quincunx::detail {
 namespace {
 
@@ -42,6 +39,9 @@ QX_INLINE unsigned lessOrEqual(Float8 a, Float8 b) {
 QX_INLINE unsigned notNegative(Float4 a) {
     return static_cast<unsigned>(_mm_movemask_ps(_mm_cmp_ps(a, _mm_setzero_ps(), _CMP_NLT_UQ)));
 }
+QX_INLINE unsigned notNegative(Float8 a) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, _mm256_setzero_ps(), _CMP_NLT_UQ)));
+}
 #else
 QX_INLINE Float8 larger8(Float8 a, Float8 b) {
     return a > b ? a : b;
@@ -58,6 +58,12 @@ QX_INLINE unsigned lessOrEqual(Float8 a, Float8 b) {
 QX_INLINE unsigned notNegative(Float4 a) {
     unsigned mask = 0;
     for (int i = 0; i < 4; ++i)
+        mask |= a[i] < 0 ? 0u : 1u << i;
+    return mask;
+}
+QX_INLINE unsigned notNegative(Float8 a) {
+    unsigned mask = 0;
+    for (int i = 0; i < 8; ++i)
         mask |= a[i] < 0 ? 0u : 1u << i;
     return mask;
 }
@@ -331,7 +337,187 @@ QX_KERNEL_TARGET bool occluded(const WideTree& tree, const Ray& ray, RayInterval
     }
 }
 
-constexpr WideKernels kernels{nearest, occluded};
+/// Rays in lanes, so many vectors of them, whose directions have the same signs.
+constexpr std::size_t packetVectors = 2;
+constexpr std::size_t packetRays = 8 * packetVectors;
+
+/// What holds the origins and directions of all rays of a packet, for the test of a node for all of them at
+/// once by interval arithmetic (Boulos, Wald, Shirley, "Geometric and arithmetic culling methods for entire
+/// ray packets", 2006). The quotients are off as much as those of a ray.
+class PacketBounds {
+  public:
+    /// Nothing where signs differ or a component is 0.
+    QX_INLINE bool set(const Ray* rays, float tMin) {
+        tMin_ = Float8{} + tMin;
+        for (int axis = 0; axis < 3; ++axis) {
+            float originLow = rays[0].origin[axis];
+            float originHigh = originLow;
+            float directionLow = rays[0].direction[axis];
+            float directionHigh = directionLow;
+            for (std::size_t i = 1; i < packetRays; ++i) {
+                originLow = smaller(originLow, rays[i].origin[axis]);
+                originHigh = larger(originHigh, rays[i].origin[axis]);
+                directionLow = smaller(directionLow, rays[i].direction[axis]);
+                directionHigh = larger(directionHigh, rays[i].direction[axis]);
+            }
+            if (!(directionLow > 0 || directionHigh < 0))
+                return false;
+            const bool backwards = directionHigh < 0;
+            const std::size_t toMin =
+                offsetof(WideNode, min) + static_cast<std::size_t>(axis) * sizeof(Float8);
+            const std::size_t toMax =
+                offsetof(WideNode, max) + static_cast<std::size_t>(axis) * sizeof(Float8);
+            near_[axis] = backwards ? toMax : toMin;
+            far_[axis] = backwards ? toMin : toMax;
+            // Whence the near planes are nearest, and the far ones farthest.
+            nearOrigin_[axis] = Float8{} + (backwards ? originLow : originHigh);
+            farOrigin_[axis] = Float8{} + (backwards ? originHigh : originLow);
+            inverseA_[axis] = Float8{} + 1 / directionLow;
+            inverseB_[axis] = Float8{} + 1 / directionHigh;
+        }
+        return true;
+    }
+
+    /// A bit for each child that any ray may meet up to tMax.
+    QX_INLINE unsigned meets(const WideNode& node, float tMax, Float8& enter) const {
+        const auto* bytes = reinterpret_cast<const char*>(&node);
+        enter = tMin_;
+        Float8 exit = Float8{} + tMax;
+        for (int axis = 0; axis < 3; ++axis) {
+            const Float8 toNear =
+                load<Float8>(reinterpret_cast<const float*>(bytes + near_[axis])) - nearOrigin_[axis];
+            const Float8 toFar =
+                load<Float8>(reinterpret_cast<const float*>(bytes + far_[axis])) - farOrigin_[axis];
+            enter = larger8(smaller8(toNear * inverseA_[axis], toNear * inverseB_[axis]), enter);
+            exit = smaller8(larger8(toFar * inverseA_[axis], toFar * inverseB_[axis]), exit);
+        }
+        return lessOrEqual(enter, exit * (1 + 0x1p-21f) + 0x1p-100f);
+    }
+
+  private:
+    Float8 nearOrigin_[3];
+    Float8 farOrigin_[3];
+    Float8 inverseA_[3];
+    Float8 inverseB_[3];
+    Float8 tMin_;
+    std::size_t near_[3];
+    std::size_t far_[3];
+};
+
+/// False where the rays are not for a packet.
+QX_KERNEL_TARGET bool nearestOfPacket(const WideTree& tree, const Ray* rays, RayInterval interval,
+                                      std::optional<AcceleratorHit>* hits, TraversalCounts* counts) {
+    PacketBounds bounds;
+    if (!bounds.set(rays, interval.tMin))
+        return false;
+    // Of each ray: origin, direction and the scales of the filter.
+    alignas(32) std::array<std::array<float, packetRays>, 8> numbers;
+    for (std::size_t i = 0; i < packetRays; ++i) {
+        const auto ray = filterRay(rays[i], interval, tree.box);
+        if (!ray)
+            return false;
+        const std::array<float, 8> own = {ray->origin.x,    ray->origin.y,    ray->origin.z,
+                                          ray->direction.x, ray->direction.y, ray->direction.z,
+                                          ray->weightScale, ray->detScale};
+        for (std::size_t k = 0; k < own.size(); ++k)
+            numbers[k][i] = own[k];
+    }
+    const Float8 tMin = Float8{} + filterMin(interval.tMin);
+    alignas(32) std::array<float, packetRays> tMax;
+    tMax.fill(filterMax(interval.tMax));
+    float farthest = interval.tMax;
+    std::array<std::optional<NearestHit>, packetRays> nearest;
+
+    std::array<StackEntry, stackSize> stack;
+    StackEntry* top = stack.data();
+    std::uint64_t nodes = 0;
+    std::uint64_t triangles = 0;
+    std::uint32_t ref = tree.root;
+    for (;;) {
+        if (!WideRef::isBlock(ref)) {
+            ++nodes;
+            const WideNode& node = tree.nodes[ref];
+            Float8 enter;
+            const unsigned mask = bounds.meets(node, farthest, enter);
+            if (mask != 0) {
+                ref = (mask & (mask - 1)) == 0 ? node.child[static_cast<std::size_t>(std::countr_zero(mask))]
+                                               : nearestChild(node, enter, mask, top);
+                continue;
+            }
+        } else {
+            const TriangleBlock& block = tree.blocks[WideRef::index(ref)];
+            const std::size_t count = WideRef::triangles(ref);
+            triangles += count * packetRays;
+            bool found = false;
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto corner = [&](std::size_t c) QX_KERNEL_TARGET __attribute__((always_inline)) {
+                    return Components<Float8>{Float8{} + block.corners[c][0][i],
+                                              Float8{} + block.corners[c][1][i],
+                                              Float8{} + block.corners[c][2][i]};
+                };
+                for (std::size_t first = 0; first < packetRays; first += 8) {
+                    const auto number = [&](std::size_t k) QX_KERNEL_TARGET __attribute__((always_inline)) {
+                        return load<Float8>(&numbers[k][first]);
+                    };
+                    const FilterRay<Float8> ray{{number(0), number(1), number(2)},
+                                                {number(3), number(4), number(5)},
+                                                number(6),
+                                                number(7)};
+                    unsigned mask = notNegative(filterTriangle<Float8>(ray, corner(0), corner(1), corner(2),
+                                                                       Float8{} + block.size[i], tMin,
+                                                                       load<Float8>(&tMax[first])));
+                    for (; mask != 0; mask &= mask - 1) {
+                        const std::size_t r = first + static_cast<std::size_t>(std::countr_zero(mask));
+                        if (!nearest[r])
+                            nearest[r].emplace(rays[r], interval);
+                        nearest[r]->test(block.at(i), block.index[i]);
+                        tMax[r] = filterMax(nearest[r]->tMax());
+                        found = true;
+                    }
+                }
+            }
+            if (found) {
+                farthest = tMax[0];
+                for (const float t : tMax)
+                    farthest = larger(farthest, t);
+            }
+        }
+        const float limit = farthest * (1 + 0x1p-20f);  // `enter` is off by 3 ε of itself
+        do {
+            if (top == stack.data()) {
+                for (std::size_t i = 0; i < packetRays; ++i)
+                    if (nearest[i])
+                        hits[i] = nearest[i]->hit();
+                    else
+                        hits[i].reset();
+                if (counts)
+                    *counts += {packetRays, nodes, triangles};
+                return true;
+            }
+            ref = static_cast<std::uint32_t>(*--top);
+        } while (enterOf(*top) > limit);
+    }
+}
+
+QX_KERNEL_TARGET void nearestOfEach(const WideTree& tree, std::span<const Ray> rays, RayInterval interval,
+                                    std::span<std::optional<AcceleratorHit>> hits, TraversalCounts* counts) {
+    std::size_t i = 0;
+    while (i < rays.size()) {
+        if (rays.size() - i >= packetRays && nearestOfPacket(tree, &rays[i], interval, &hits[i], counts)) {
+            i += packetRays;
+            continue;
+        }
+        for (const std::size_t end = std::min(i + packetRays, rays.size()); i < end; ++i)
+            if (isUsable(rays[i])) {
+                hits[i] = nearest(tree, rays[i], interval, counts);
+            } else {
+                hits[i].reset();
+                count(counts, 0, 0);
+            }
+    }
+}
+
+constexpr WideKernels kernels{nearest, occluded, nearestOfEach};
 
 }  // namespace
 }  // namespace quincunx::detail
