@@ -1,0 +1,166 @@
+#include "labs/26_ray_tracing/lab.h"
+
+#include <algorithm>
+
+#include "gl/executor.h"
+#include "gl/program.h"
+#include "gl/upload.h"
+#include "scene/import.h"
+
+namespace quincunx {
+namespace {
+
+constexpr int coarsest = 8;
+
+Camera fitted(const Frame& frame) {
+    return fittedToAspect(frame.camera, static_cast<float>(frame.width) / static_cast<float>(frame.height));
+}
+
+}  // namespace
+
+std::vector<Structure> RayTracingLab::structures() {
+    std::vector<Structure> available;
+    for (const Structure structure : allStructures)
+        if (isAvailable(structure))
+            available.push_back(structure);
+    return available;
+}
+
+std::vector<std::string> RayTracingLab::structureNames() {
+    std::vector<std::string> names;
+    for (const Structure structure : structures())
+        names.emplace_back(structureName(structure));
+    return names;
+}
+
+int RayTracingLab::defaultStructure() {
+    const std::vector<Structure> all = structures();
+    return static_cast<int>(std::find(all.begin(), all.end(), Structure::wideBvh) - all.begin());
+}
+
+WhittedSettings RayTracingLab::settings() const {
+    WhittedSettings settings;
+    settings.end = end.as<RecursionEnd>();
+    settings.maxDepth = maxDepth;
+    settings.minWeight = minWeight;
+    settings.shadowRays = shadowRays;
+    settings.pattern = allSamplePatterns[static_cast<std::size_t>(pattern.index())];
+    settings.shadowCache = shadowCache;
+    settings.pixelSamples = supersample;
+    return settings;
+}
+
+std::shared_ptr<const WhittedScene> RayTracingLab::scene() const {
+    std::vector<double> state{static_cast<double>(sculpture.index()), lampSize,
+                              static_cast<double>(structure.index())};
+    if (!scene_ || state != sceneState_) {
+        scene_ =
+            std::make_shared<const WhittedScene>(makeTerrace(sculpture.as<Sculpture>(), lampSize),
+                                                 structures()[static_cast<std::size_t>(structure.index())]);
+        sceneState_ = std::move(state);
+    }
+    return scene_;
+}
+
+std::vector<double> RayTracingLab::stateOf(const Frame& frame) const {
+    std::vector<double> state{static_cast<double>(frame.width), static_cast<double>(frame.height),
+                              frame.camera.fovYRadians, static_cast<double>(frame.seed)};
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            state.push_back(frame.camera.worldFromCamera[column][row]);
+    state.insert(state.end(), {static_cast<double>(end.index()), static_cast<double>(maxDepth), minWeight,
+                               static_cast<double>(shadowRays), static_cast<double>(pattern.index()),
+                               lampSize, shadowCache ? 1.0 : 0.0, static_cast<double>(structure.index()),
+                               static_cast<double>(sculpture.index()), static_cast<double>(supersample)});
+    return state;
+}
+
+bool RayTracingLab::advance(double /*seconds*/, const HeldSeconds& /*held*/) {
+    live_ = true;
+    if (step_ == 1)
+        return false;
+    step_ /= 2;
+    return true;
+}
+
+void RayTracingLab::traceFrame(const Frame& frame) {
+    std::vector<double> state = stateOf(frame);
+    if (state != state_)
+        step_ = live_ ? coarsest : 1;
+    else if (traced_ == step_)
+        return;
+    state_.clear();
+    WhittedSettings with = settings();
+    with.seed = frame.seed;
+    if (step_ > 1)
+        with.pixelSamples = 1;
+    picture_ = renderWhitted(*scene(), fitted(frame), (frame.width + step_ - 1) / step_,
+                             (frame.height + step_ - 1) / step_, with, &counts_);
+    traced_ = step_;
+    uploaded_ = false;
+    state_ = std::move(state);
+}
+
+graph::Resource RayTracingLab::build(graph::FrameGraph& graph, const Frame& frame) {
+    const graph::Resource picture =
+        graph.addResource({"picture", frame.pictureFormat, frame.width, frame.height});
+    graph.addPass({.name = "show what was traced",
+                   .reads = {},
+                   .writes = {picture},
+                   .execute = [this, frame](graph::PassContext& context) { draw(context, frame); }});
+    return picture;
+}
+
+void RayTracingLab::draw(graph::PassContext& context, const Frame& frame) {
+    traceFrame(frame);
+    constexpr int unit = 1;
+    if (!texture_ || texture_->width() != picture_.width || texture_->height() != picture_.height) {
+        texture_.emplace("traced", GL_RGBA32F, picture_.width, picture_.height);
+        uploaded_ = false;
+    }
+    if (!uploaded_)
+        gl::upload(*texture_, 0, 0, picture_);
+    uploaded_ = true;
+    const gl::Program& program = context.programs().get({.label = "show what was traced",
+                                                         .vertex = "passes/fullscreen.vert",
+                                                         .fragment = "labs/26_ray_tracing/show.frag"});
+    program.use();
+    program.set("traced", unit);
+    program.set("viewport", glm::vec2(frame.width, frame.height));
+    texture_->bind(unit);
+    context.drawFullscreen();
+}
+
+void RayTracingLab::markIdleKnobs() {
+    const bool byDepth = end.as<RecursionEnd>() == RecursionEnd::depth;
+    maxDepth.setIdle(byDepth ? "" : "the tree ends by weight");
+    minWeight.setIdle(byDepth ? "the tree ends by depth" : "");
+}
+
+std::map<std::string, std::uint64_t> RayTracingLab::counters() const {
+    return {{"trace calls", counts_.traceCalls},
+            {"shade calls", counts_.shadeCalls},
+            {"rays ended early", counts_.endedRays},
+            {"shadow rays", counts_.shadowRays},
+            {"shadow cache hits", counts_.cacheHits},
+            {"structure nodes", counts_.viewTraversal.nodes + counts_.shadowTraversal.nodes},
+            {"triangle tests", counts_.viewTraversal.triangles + counts_.shadowTraversal.triangles}};
+}
+
+Lab::ReferenceJob RayTracingLab::reference(const Frame& frame) const {
+    WhittedSettings with = settings();
+    with.end = RecursionEnd::weight;
+    with.minWeight = 1 / 4096.0f;
+    with.shadowRays = 256;
+    with.pattern = SamplePattern::sobol;
+    with.shadowCache = true;
+    return [scene = scene(), camera = fitted(frame), width = frame.width, height = frame.height,
+            with](const std::atomic<bool>& stop) {
+        Image image = renderWhitted(*scene, camera, width, height, with, nullptr, &stop);
+        return stop ? Image{} : image;
+    };
+}
+
+}  // namespace quincunx
+
+QUINCUNX_DEFINE_LAB(quincunx::RayTracingLab)

@@ -1,0 +1,3 @@
+#include "lab/lab.h"
+
+QUINCUNX_LAB_MAIN
