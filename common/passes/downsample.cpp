@@ -2,6 +2,7 @@
 
 #include "base/check.h"
 #include "gl/executor.h"
+#include "passes/fullscreen.h"
 
 namespace quincunx {
 
@@ -15,9 +16,7 @@ graph::Pass addDownsamplePass(graph::FrameGraph& graph, graph::Resource fine, gr
                           .writes = {picture},
                           .execute = [fine, params](graph::PassContext& context) {
                               const gl::Program& program =
-                                  context.programs().get({.label = "downsample",
-                                                          .vertex = "passes/fullscreen.vert",
-                                                          .fragment = "passes/downsample.frag"});
+                                  context.programs().get(fullscreenProgram("downsample"));
                               program.use();
                               // Not the unit of the materials, so that both stay bound from frame to frame.
                               constexpr int unit = 1;

@@ -12,6 +12,7 @@
 #include "image/color.h"
 #include "math/projection.h"
 #include "math/transform.h"
+#include "passes/fullscreen.h"
 #include "trace/environment_glsl.h"
 
 namespace quincunx {
@@ -34,6 +35,13 @@ struct EnvironmentBlock {
 glm::mat4 worldFromFace(glm::vec3 position, int face) {
     const glm::mat3 axes = glsl::cubeFaceAxes(face);
     return {glm::vec4(axes[0], 0), glm::vec4(axes[1], 0), glm::vec4(-axes[2], 0), glm::vec4(position, 1)};
+}
+
+/// A full-screen program with a sampler that reads the unit of the radiance.
+const gl::Program& programReading(graph::PassContext& context, const char* name, const char* sampler) {
+    gl::ProgramFiles files = fullscreenProgram(name);
+    files.samplers = {{sampler, EnvironmentMap::radianceUnit}};
+    return context.programs().get(files);
 }
 
 /// The first level with at most so many texels along an edge.
@@ -177,10 +185,7 @@ void EnvironmentMap::finish(graph::PassContext& context) {
     if (source_.levels() > 1)
         source_.generateMipmaps();
     if (params_.levels > 1) {
-        const gl::Program& program = context.programs().get({.label = "environment prefilter",
-                                                             .vertex = "passes/fullscreen.vert",
-                                                             .fragment = "passes/environment_prefilter.frag",
-                                                             .samplers = {{"source", radianceUnit}}});
+        const gl::Program& program = programReading(context, "environment_prefilter", "source");
         source_.bind(radianceUnit);
         program.set("sourceSize", static_cast<float>(source_.size()));
         program.set("lastLevel", static_cast<float>(source_.levels() - 1));
@@ -200,10 +205,7 @@ void EnvironmentMap::finish(graph::PassContext& context) {
         }
     }
     if (params_.irradiance) {
-        const gl::Program& program = context.programs().get({.label = "environment irradiance",
-                                                             .vertex = "passes/fullscreen.vert",
-                                                             .fragment = "passes/environment_irradiance.frag",
-                                                             .samplers = {{"source", radianceUnit}}});
+        const gl::Program& program = programReading(context, "environment_irradiance", "source");
         source_.bind(radianceUnit);
         const int level = levelOfSize(source_, irradianceSourceSize);
         program.set("sourceLevel", static_cast<float>(level));
@@ -222,9 +224,7 @@ void EnvironmentMap::drawGradient(graph::PassContext& context, int face, glm::ve
     const auto light = [](glm::vec3 color) {
         return glm::vec3(usable(color.r), usable(color.g), usable(color.b));
     };
-    const gl::Program& program = context.programs().get({.label = "environment gradient",
-                                                         .vertex = "passes/fullscreen.vert",
-                                                         .fragment = "passes/environment_gradient.frag"});
+    const gl::Program& program = context.programs().get(fullscreenProgram("environment_gradient"));
     program.set("face", face);
     program.set("zenith", light(zenith));
     program.set("nadir", light(nadir));
@@ -258,10 +258,7 @@ void EnvironmentMap::fromPanorama(graph::PassContext& context, const Image& pano
     texture.setWrap(GL_REPEAT, GL_CLAMP_TO_EDGE);
     gl::upload(texture, 0, 0, usable);
     texture.bind(radianceUnit);
-    const gl::Program& program = context.programs().get({.label = "environment panorama",
-                                                         .vertex = "passes/fullscreen.vert",
-                                                         .fragment = "passes/environment_panorama.frag",
-                                                         .samplers = {{"panorama", radianceUnit}}});
+    const gl::Program& program = programReading(context, "environment_panorama", "panorama");
     // A quarter of the panorama's width is seen by a face: at least one sample a pixel of it.
     const int samples = std::clamp((usable.width / 4 + params.size - 1) / params.size, 1, 8);
     program.set("size", params.size);

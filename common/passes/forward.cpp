@@ -6,15 +6,14 @@
 #include "math/exact.h"
 #include "math/projection.h"
 #include "math/transform.h"
+#include "passes/fullscreen.h"
 
 namespace quincunx {
+
 void drawBackground(graph::PassContext& context) {
-    context.programs()
-        .get({.label = "background",
-              .vertex = "passes/fullscreen.vert",
-              .fragment = "passes/background.frag",
-              .blocks = SceneBuffers::bindings()})
-        .use();
+    gl::ProgramFiles files = fullscreenProgram("background");
+    files.blocks = SceneBuffers::bindings();
+    context.programs().get(files).use();
     context.drawFullscreen();
 }
 

@@ -27,8 +27,17 @@ std::string counted(std::size_t count, const char* thing) {
     return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
+/// Says yes or no, and why, where somebody asks: sentences cost more than the decisions they are about.
+template <typename Sentence>
+bool answer(bool yes, std::string* why, Sentence&& sentence) {
+    if (why != nullptr)
+        *why = sentence();
+    return yes;
+}
+
+/// Why a frame calls for the shadows of that kind of light, or does not.
 template <Light::Kind kind>
-Decision castsShadows(const Visibility& visibility, const FrameView& view) {
+std::string shadowReason(const Visibility& visibility, const FrameView& view) {
     const std::vector<Light>& lights = view.scene.lights;
     constexpr const char* kindName = kind == Light::Kind::directional ? "directional"
                                      : kind == Light::Kind::spot      ? "spot"
@@ -36,7 +45,7 @@ Decision castsShadows(const Visibility& visibility, const FrameView& view) {
     const auto ofKind = static_cast<std::size_t>(
         std::count_if(lights.begin(), lights.end(), [](const Light& light) { return light.kind == kind; }));
     if (ofKind == 0)
-        return {false, fmt::format("there is no {} light", kindName)};
+        return fmt::format("there is no {} light", kindName);
     std::vector<std::string> casting;
     std::vector<std::string> idle;
     for (const LightReach& reach : visibility.lights) {
@@ -50,14 +59,21 @@ Decision castsShadows(const Visibility& visibility, const FrameView& view) {
         else
             idle.push_back(fmt::format("nothing stands between {} and what it lights", nameOf(light)));
     }
-    if (!casting.empty())
-        return {true, fmt::format("{}", fmt::join(casting, "; "))};
-    if (!idle.empty())
-        return {false, fmt::format("{}", fmt::join(idle, "; "))};
+    if (!casting.empty() || !idle.empty())
+        return fmt::format("{}", fmt::join(casting.empty() ? idle : casting, "; "));
     if (visibility.visible() == 0)
-        return {false, fmt::format("nothing is in view for {} to light", counted(ofKind, "such light"))};
-    return {false, fmt::format("{} {} nothing in view", counted(ofKind, "such light"),
-                               ofKind == 1 ? "reaches" : "reach")};
+        return fmt::format("nothing is in view for {} to light", counted(ofKind, "such light"));
+    return fmt::format("{} {} nothing in view", counted(ofKind, "such light"),
+                       ofKind == 1 ? "reaches" : "reach");
+}
+
+template <Light::Kind kind>
+bool castsShadows(const Visibility& visibility, const FrameView& view, std::string* why) {
+    const std::vector<Light>& lights = view.scene.lights;
+    const bool casts = std::any_of(
+        visibility.lights.begin(), visibility.lights.end(),
+        [&](const LightReach& reach) { return reach.shadowed > 0 && lights[reach.light].kind == kind; });
+    return answer(casts, why, [&] { return shadowReason<kind>(visibility, view); });
 }
 
 template <Light::Kind kind>
@@ -65,31 +81,34 @@ void addShadows(FrameBuilder& frame) {
     constexpr const char* name = kind == Light::Kind::directional ? "directional shadow map"
                                  : kind == Light::Kind::spot      ? "spot shadow map"
                                                                   : "point shadow map";
-    const ShadowAtlas atlas = makeShadowAtlas(frame.visibility, frame.view.scene, kind, frame.view.settings);
+    const auto atlas = std::make_shared<const ShadowAtlas>(
+        makeShadowAtlas(frame.visibility, frame.view.scene, kind, frame.view.settings));
     const graph::Resource map =
-        frame.graph.addResource({name, graph::Format::depth32f, atlas.width(), atlas.height()});
+        frame.graph.addResource({name, graph::Format::depth32f, atlas->width(), atlas->height()});
     frame.graph.addPass({.name = name,
                          .writes = {map},
                          .execute = [&device = frame.device, &view = frame.view,
                                      &visibility = frame.visibility, atlas](graph::PassContext& context) {
                              drawShadowAtlas(context, device.materials(view.scene), view.scene, visibility,
-                                             atlas);
+                                             *atlas);
                          }});
     frame.shadowMaps.push_back({atlas, map});
 }
 
-Decision mirrors(const Visibility& visibility, const FrameView& view) {
+bool mirrors(const Visibility& visibility, const FrameView& view, std::string* why) {
     const Surroundings& surroundings = visibility.surroundings;
-    if (surroundings.mirrorsInView > 0)
-        return {true, fmt::format("{} of {} mirror{} the surroundings", surroundings.mirrorsInView,
-                                  counted(visibility.visible(), "visible object"),
-                                  surroundings.mirrorsInView == 1 ? "s" : "")};
-    if (surroundings.mirrors > 0)
-        return {false, fmt::format("no reflecting surface in view ({} {} out of view)", surroundings.mirrors,
-                                   surroundings.mirrors == 1 ? "is" : "are")};
-    return {false, view.scene.instances.empty() ? "the scene is empty"
-                                                : "nothing in the scene is metallic or smooth enough to "
-                                                  "mirror its surroundings"};
+    return answer(surroundings.mirrorsInView > 0, why, [&]() -> std::string {
+        if (surroundings.mirrorsInView > 0)
+            return fmt::format("{} of {} mirror{} the surroundings", surroundings.mirrorsInView,
+                               counted(visibility.visible(), "visible object"),
+                               surroundings.mirrorsInView == 1 ? "s" : "");
+        if (surroundings.mirrors > 0)
+            return fmt::format("no reflecting surface in view ({} {} out of view)", surroundings.mirrors,
+                               surroundings.mirrors == 1 ? "is" : "are");
+        return view.scene.instances.empty() ? "the scene is empty"
+                                            : "nothing in the scene is metallic or smooth enough to mirror "
+                                              "its surroundings";
+    });
 }
 
 void addEnvironment(FrameBuilder& frame) {
@@ -100,32 +119,38 @@ void addEnvironment(FrameBuilder& frame) {
         });
 }
 
-Decision blends(const Visibility& visibility, const FrameView& view) {
-    if (!visibility.blended.empty())
-        return {true, fmt::format("{} of {} blend{} with what is behind", visibility.blended.size(),
-                                  counted(visibility.visible(), "visible object"),
-                                  visibility.blended.size() == 1 ? "s" : "")};
-    const auto blending = std::count_if(
-        view.scene.instances.begin(), view.scene.instances.end(), [&](const Instance& instance) {
-            return view.scene.materials[instance.material].alphaMode == Material::AlphaMode::blend;
-        });
-    return {false, blending == 0 ? "nothing in the scene blends"
-                                 : fmt::format("nothing in view blends ({} out of view)", blending)};
+bool blends(const Visibility& visibility, const FrameView& view, std::string* why) {
+    return answer(!visibility.blended.empty(), why, [&]() -> std::string {
+        if (!visibility.blended.empty())
+            return fmt::format(
+                "{} of {} blend{} with what is behind: sorted, and so are the triangles of what "
+                "is not convex",
+                visibility.blended.size(), counted(visibility.visible(), "visible object"),
+                visibility.blended.size() == 1 ? "s" : "");
+        const auto blending = std::count_if(
+            view.scene.instances.begin(), view.scene.instances.end(), [&](const Instance& instance) {
+                return view.scene.materials[instance.material].alphaMode == Material::AlphaMode::blend;
+            });
+        return blending == 0 ? "nothing in the scene blends"
+                             : fmt::format("nothing in view blends ({} out of view)", blending);
+    });
 }
 
 void sortBlended(FrameBuilder& frame) {
     frame.sortsBlended = true;
 }
 
-Decision defocuses(const Visibility&, const FrameView& view) {
+bool defocuses(const Visibility&, const FrameView& view, std::string* why) {
     const Camera& camera = view.camera;
-    if (!(camera.apertureRadius > 0))
-        return {false, "the camera is a pinhole: everything is sharp"};
-    const CirclesOfConfusion discs = circlesOfConfusion(camera, view.height);
-    return {true, fmt::format("a lens of radius {:.3g} focused at {:.3g}: discs of {:.3g} pixels at the near "
-                              "plane, {:.3g} at the far one",
-                              camera.apertureRadius, camera.focusDistance, std::abs(discs.atNear),
-                              std::abs(discs.atFar))};
+    return answer(camera.apertureRadius > 0, why, [&]() -> std::string {
+        if (!(camera.apertureRadius > 0))
+            return "the camera is a pinhole: everything is sharp";
+        const CirclesOfConfusion discs = circlesOfConfusion(camera, view.height);
+        return fmt::format(
+            "a lens of radius {:.3g} focused at {:.3g}: discs of {:.3g} pixels at the near "
+            "plane, {:.3g} at the far one",
+            camera.apertureRadius, camera.focusDistance, std::abs(discs.atNear), std::abs(discs.atFar));
+    });
 }
 
 void addDefocus(FrameBuilder& frame) {
@@ -134,18 +159,21 @@ void addDefocus(FrameBuilder& frame) {
         {.camera = frame.view.camera, .maxRadiusPixels = frame.view.settings.largestDiscPixels});
 }
 
-Decision movesWhileExposed(const Visibility& visibility, const FrameView& view) {
-    if (!(view.settings.shutterSeconds > 0))
-        return {false, "the shutter is open for no time"};
-    const std::string open = fmt::format("the shutter is open for {:.3g} s", view.settings.shutterSeconds);
-    if (!visibility.moving.empty())
-        return {true, fmt::format("{}, while {} of {} move{}{}", open, visibility.moving.size(),
-                                  counted(visibility.visible(), "visible object"),
-                                  visibility.moving.size() == 1 ? "s" : "",
-                                  visibility.cameraMoves ? ", and so does the camera" : "")};
-    if (visibility.cameraMoves)
-        return {true, fmt::format("{}, while the camera moves", open)};
-    return {false, fmt::format("{}, but nothing in view moves", open)};
+bool movesWhileExposed(const Visibility& visibility, const FrameView& view, std::string* why) {
+    const bool exposes = view.settings.shutterSeconds > 0;
+    const bool moves = !visibility.moving.empty() || visibility.cameraMoves;
+    return answer(exposes && moves, why, [&]() -> std::string {
+        if (!exposes)
+            return "the shutter is open for no time";
+        const std::string open =
+            fmt::format("the shutter is open for {:.3g} s", view.settings.shutterSeconds);
+        if (!visibility.moving.empty())
+            return fmt::format("{}, while {} of {} move{}{}", open, visibility.moving.size(),
+                               counted(visibility.visible(), "visible object"),
+                               visibility.moving.size() == 1 ? "s" : "",
+                               visibility.cameraMoves ? ", and so does the camera" : "");
+        return open + (moves ? ", while the camera moves" : ", but nothing in view moves");
+    });
 }
 
 void addMotionBlur(FrameBuilder& frame) {
@@ -155,7 +183,7 @@ void addMotionBlur(FrameBuilder& frame) {
         camera.worldFromCamera = relativeTo(anchor, camera.worldFromCamera);
         return camera;
     };
-    const bool moves = movesWhileExposed(frame.visibility, view).calledFor;
+    const bool moves = movesWhileExposed(frame.visibility, view, nullptr);
     MotionBlurParams params{.camera = anchored(view.camera),
                             .cameraOpen = anchored(moves ? view.cameraAtOpen : view.camera),
                             .cameraClose = anchored(moves ? view.cameraAtClose : view.camera)};
@@ -170,12 +198,14 @@ void addMotionBlur(FrameBuilder& frame) {
     frame.picture = addMotionBlurPasses(frame.graph, frame.picture, frame.depth, params);
 }
 
-Decision blooms(const Visibility&, const FrameView& view) {
+bool blooms(const Visibility&, const FrameView& view, std::string* why) {
     const FrameSettings& settings = view.settings;
-    if (settings.bloomStrength == 0)
-        return {false, "no bloom is asked for"};
-    return {true, fmt::format("asked for: what is brighter than {:g} glows with a strength of {:g}",
-                              settings.bloomThreshold, settings.bloomStrength)};
+    return answer(settings.bloomStrength != 0, why, [&]() -> std::string {
+        return settings.bloomStrength == 0
+                   ? "no bloom is asked for"
+                   : fmt::format("asked for: what is brighter than {:g} glows with a strength of {:g}",
+                                 settings.bloomThreshold, settings.bloomStrength);
+    });
 }
 
 void addBloom(FrameBuilder& frame) {
@@ -186,18 +216,20 @@ void addBloom(FrameBuilder& frame) {
                                     .sigmaPixels = settings.bloomSigmaPixels});
 }
 
-Decision mapsTones(const Visibility&, const FrameView& view) {
+bool mapsTones(const Visibility&, const FrameView& view, std::string* why) {
     const FrameSettings& settings = view.settings;
-    constexpr std::array<const char*, 3> curves = {"none", "Reinhard", "filmic"};
-    if (settings.toneCurve != ToneCurve::none)
-        return {true,
-                fmt::format("asked for: the {} curve at an exposure of {:g} stops",
-                            curves[static_cast<std::size_t>(settings.toneCurve)], settings.exposureStops)};
-    if (settings.exposureStops != 0)
-        return {true, fmt::format("asked for: an exposure of {:g} stops", settings.exposureStops)};
-    if (settings.fxaa)
-        return {true, "FXAA works on a picture within [0, 1]"};
-    return {false, "neither curve nor exposure is asked for: the picture's format cuts off at 1"};
+    const bool curved = settings.toneCurve != ToneCurve::none;
+    const bool exposed = settings.exposureStops != 0;
+    return answer(curved || exposed || settings.fxaa, why, [&]() -> std::string {
+        constexpr std::array<const char*, 3> curves = {"none", "Reinhard", "filmic"};
+        if (curved)
+            return fmt::format("asked for: the {} curve at an exposure of {:g} stops",
+                               curves[static_cast<std::size_t>(settings.toneCurve)], settings.exposureStops);
+        if (exposed)
+            return fmt::format("asked for: an exposure of {:g} stops", settings.exposureStops);
+        return settings.fxaa ? "FXAA works on a picture within [0, 1]"
+                             : "neither curve nor exposure is asked for: the picture's format cuts off at 1";
+    });
 }
 
 void addToneMap(FrameBuilder& frame) {
@@ -206,14 +238,16 @@ void addToneMap(FrameBuilder& frame) {
     addToneMapPass(frame.graph, frame.picture, mapped,
                    {.curve = settings.toneCurve,
                     .exposureStops = settings.exposureStops,
-                    .cutOff = mapsTones(frame.visibility, frame.view).calledFor});
+                    .cutOff = mapsTones(frame.visibility, frame.view, nullptr)});
     frame.picture = mapped;
 }
 
-Decision blurs(const Visibility&, const FrameView& view) {
-    if (!(view.settings.blurSigmaPixels > 0))
-        return {false, "no blur is asked for"};
-    return {true, fmt::format("asked for: a Gaussian of {:g} pixels", view.settings.blurSigmaPixels)};
+bool blurs(const Visibility&, const FrameView& view, std::string* why) {
+    const float sigma = view.settings.blurSigmaPixels;
+    return answer(sigma > 0, why, [&]() -> std::string {
+        return sigma > 0 ? fmt::format("asked for: a Gaussian of {:g} pixels", sigma)
+                         : "no blur is asked for";
+    });
 }
 
 void addBlur(FrameBuilder& frame) {
@@ -221,20 +255,21 @@ void addBlur(FrameBuilder& frame) {
         addBlurPasses(frame.graph, frame.picture, {.sigmaPixels = frame.view.settings.blurSigmaPixels});
 }
 
-Decision greys(const Visibility&, const FrameView& view) {
-    if (view.settings.greyscale == 0)
-        return {false, "no greyscale is asked for"};
-    return {true, fmt::format("asked for: {:.0f} % grey", 100 * view.settings.greyscale)};
+bool greys(const Visibility&, const FrameView& view, std::string* why) {
+    const float grey = view.settings.greyscale;
+    return answer(grey != 0, why, [&]() -> std::string {
+        return grey == 0 ? "no greyscale is asked for" : fmt::format("asked for: {:.0f} % grey", 100 * grey);
+    });
 }
 
 void addGrey(FrameBuilder& frame) {
     frame.picture = addFilmPass(frame.graph, frame.picture, {.greyscale = frame.view.settings.greyscale});
 }
 
-Decision smoothsEdges(const Visibility&, const FrameView& view) {
-    if (!view.settings.fxaa)
-        return {false, "no antialiasing is asked for"};
-    return {true, "asked for: edges are smoothed"};
+bool smoothsEdges(const Visibility&, const FrameView& view, std::string* why) {
+    const bool asked = view.settings.fxaa;
+    return answer(asked, why,
+                  [&] { return asked ? "asked for: edges are smoothed" : "no antialiasing is asked for"; });
 }
 
 void addFxaa(FrameBuilder& frame) {

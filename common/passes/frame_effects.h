@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,12 +18,6 @@
 /// picture; and where it is not called for it makes no GL call, takes no memory, and compiles no program.
 namespace quincunx {
 
-/// Whether an effect is called for, and a sentence that says why, with names and numbers.
-struct Decision {
-    bool calledFor = false;
-    std::string reason;
-};
-
 /// A frame while it is put together. An effect adds passes, replaces `picture` by what it made of it, or
 /// changes how the scene is shaded.
 struct FrameBuilder {
@@ -39,7 +34,7 @@ struct FrameBuilder {
     bool isLast = false;  ///< no effect follows
 
     struct ShadowMapUse {
-        ShadowAtlas atlas;
+        std::shared_ptr<const ShadowAtlas> atlas;
         graph::Resource map;
     };
     std::vector<ShadowMapUse> shadowMaps = {};
@@ -57,7 +52,8 @@ struct Effect {
     enum class Stage { before, shading, after };
     std::string_view name;
     Stage stage;
-    Decision (*calledFor)(const Visibility&, const FrameView&);
+    /// Whether a frame calls for it. `why`, if not null, gets a sentence for that, with names and numbers.
+    bool (*calledFor)(const Visibility&, const FrameView&, std::string* why);
     void (*addTo)(FrameBuilder&);
 };
 

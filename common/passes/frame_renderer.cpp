@@ -15,12 +15,7 @@ namespace {
 void addCopyPass(graph::FrameGraph& graph, graph::Resource from, graph::Resource to) {
     graph.addPass(
         {.name = "present", .reads = {from}, .writes = {to}, .execute = [from](graph::PassContext& context) {
-             const gl::Program& program = context.programs().get(fullscreenProgram("copy"));
-             constexpr int unit = 1;
-             program.use();
-             program.set("picture", unit);
-             context.texture(from).bind(unit);
-             context.drawFullscreen();
+             drawPicture(context, from);
          }});
 }
 
@@ -29,12 +24,13 @@ void shade(graph::PassContext& context, const FrameView& view, const Visibility&
            FrameDevice& device, const std::vector<FrameBuilder::ShadowMapUse>& maps, bool mirrors,
            bool sorts) {
     MaterialParams params;
+    params.ordersTriangles = sorts;
     if (!maps.empty()) {
         params.fragment = "passes/frame_material.frag";
         std::vector<FrameShadows::Map> bound;
         for (const FrameBuilder::ShadowMapUse& use : maps) {
-            FrameShadows::addTo(params, use.atlas.kind);
-            bound.push_back({use.atlas, context.texture(use.map)});
+            FrameShadows::addTo(params, use.atlas->kind);
+            bound.push_back({*use.atlas, context.texture(use.map)});
         }
         device.shadows().bind(context, visibility, bound, view.settings.shadowRadius);
     }
@@ -87,6 +83,8 @@ FrameRenderer& FrameRenderer::operator=(FrameRenderer&&) noexcept = default;
 void FrameRenderer::reset() {
     bounds_.reset();
     planned_.reset();
+    plan_ = {};
+    inWords_ = true;
     device_ = std::make_shared<FrameDevice>();
 }
 
@@ -103,13 +101,17 @@ void FrameRenderer::decide(const FrameView& view) {
         bounds_.emplace(view.scene);
     planned_ = std::make_shared<Planned>(Planned{view, bounds_->look(view)});
     const Visibility& visibility = planned_->visibility;
-    plan_ = {};
     const std::span<const Effect> rows = effects();
+    plan_.effects.resize(rows.size());
+    inWords_ = false;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        PlannedEffect effect{rows[i].name, rows[i].calledFor(visibility, view), false, {}};
+        PlannedEffect& effect = plan_.effects[i];
+        effect.name = rows[i].name;
+        effect.decision.calledFor = rows[i].calledFor(visibility, view, nullptr);
         effect.added = (effect.decision.calledFor || view.settings.forced[i]) && !view.settings.leftOut[i];
-        plan_.effects.push_back(std::move(effect));
+        effect.passes.clear();
     }
+    plan_.shadowTriangles = 0;
     plan_.instances = visibility.instances;
     plan_.drawn = visibility.visible();
     plan_.lights = visibility.lights.size();
@@ -125,6 +127,16 @@ void FrameRenderer::decide(const FrameView& view) {
 
 const FramePlan& FrameRenderer::plan(const FrameView& view) {
     decide(view);
+    return plan();
+}
+
+const FramePlan& FrameRenderer::plan() const {
+    if (!inWords_) {
+        const std::span<const Effect> rows = effects();
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            rows[i].calledFor(planned_->visibility, planned_->view, &plan_.effects[i].decision.reason);
+        inWords_ = true;
+    }
     return plan_;
 }
 
@@ -165,8 +177,8 @@ graph::Resource FrameRenderer::build(graph::FrameGraph& graph, const FrameView& 
     std::vector<graph::Resource> reads;
     for (const FrameBuilder::ShadowMapUse& use : frame.shadowMaps) {
         reads.push_back(use.map);
-        for (const ShadowAtlas::Tile& tile : use.atlas.tiles)
-            for (const std::uint32_t i : visibility.lights[tile.light].casters)
+        for (const ShadowAtlas::Tile& tile : use.atlas->tiles)
+            for (const std::uint32_t i : tile.casters)
                 plan_.shadowTriangles += view.scene.meshes[view.scene.instances[i].mesh].triangleCount();
     }
     if (frame.environment)

@@ -10,6 +10,12 @@
 
 namespace quincunx {
 
+/// Whether an effect is called for, and why.
+struct Decision {
+    bool calledFor = false;
+    std::string reason;
+};
+
 /// A row of the table as a frame has it.
 struct PlannedEffect {
     std::string_view name;
@@ -47,8 +53,9 @@ class FrameRenderer {
     graph::Resource build(graph::FrameGraph& graph, const FrameView& view);
     /// Plans a frame without adding anything.
     const FramePlan& plan(const FrameView& view);
-    /// Of the last `build` or `plan`.
-    const FramePlan& plan() const { return plan_; }
+    /// Of the last `build` or `plan`, whose view is still there: the reasons are put into words when they are
+    /// first asked for.
+    const FramePlan& plan() const;
     const Visibility& visibility() const;
     const FrameDevice& device() const { return *device_; }
 
@@ -62,7 +69,8 @@ class FrameRenderer {
     std::optional<SceneBounds> bounds_;
     std::shared_ptr<FrameDevice> device_;
     std::shared_ptr<Planned> planned_;  ///< the frame that was built last
-    FramePlan plan_;
+    mutable FramePlan plan_;
+    mutable bool inWords_ = true;  ///< the plan's reasons are written
 };
 
 }  // namespace quincunx

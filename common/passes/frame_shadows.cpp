@@ -22,6 +22,8 @@ struct FrameShadowBlock {
     std::array<glm::vec4, maxFrameShadowViews> tiles{};
     std::array<glm::ivec4, maxShaderLights> lights{};
     std::array<glm::vec4, maxShaderLights> texels{};
+    std::array<glm::vec4, maxShaderLights> distances{};
+    glm::vec4 eyeForward{0};
     glm::ivec4 mode{0};
 };
 
@@ -54,16 +56,31 @@ ShadowAtlas makeShadowAtlas(const Visibility& visibility, const Scene& scene, Li
     atlas.kind = kind;
     atlas.resolution = kind == Light::Kind::directional ? settings.shadowResolution
                                                         : std::max(settings.shadowResolution / 2, 1);
-    const ShadowMapParams params{
-        .resolution = atlas.resolution, .bilinear = true, .radius = settings.shadowRadius};
+    ShadowMapParams params{.bilinear = true, .radius = settings.shadowRadius};
+    if (kind == Light::Kind::directional) {
+        QX_CHECK_GE(settings.shadowCascades, 0);
+        QX_CHECK_LE(settings.shadowCascades, 4);
+        params.cascades =
+            settings.shadowCascades > 0 ? settings.shadowCascades : cascadesFor(visibility.depths);
+        if (params.cascades > 1)
+            atlas.resolution = std::max(atlas.resolution / 2, 1);
+    }
+    params.resolution = atlas.resolution;
     for (std::size_t i = 0; i < visibility.lights.size(); ++i) {
         const LightReach& reach = visibility.lights[i];
         Light light = scene.lights[reach.light];
         if (light.kind != kind || reach.casters.empty())
             continue;
         light.position -= visibility.anchorWorld;
-        for (const ShadowView& view : fitShadowViews(light, reach.extent, params).views)
-            atlas.tiles.push_back({i, view.clipFromWorld});
+        for (const ShadowView& view : fitShadowViews(light, reach.extent, params, visibility.depths).views) {
+            ShadowAtlas::Tile tile{i, view.clipFromWorld, view.viewDistance, {}};
+            // What lies beyond its near and far planes is clamped to them.
+            const ViewPlanes planes(view.clipFromWorld, ViewPlanes::Kind::sides);
+            for (const std::uint32_t caster : reach.casters)
+                if (settings.drawsUnseen || planes.mayMeet(visibility.boxes[caster]))
+                    tile.casters.push_back(caster);
+            atlas.tiles.push_back(std::move(tile));
+        }
     }
     const int count = std::max(static_cast<int>(atlas.tiles.size()), 1);
     while (atlas.columns * atlas.columns < count)
@@ -83,11 +100,13 @@ void drawShadowAtlas(graph::PassContext& context, MaterialPass& materials, const
     glEnable(GL_DEPTH_CLAMP);
     for (std::size_t i = 0; i < atlas.tiles.size(); ++i) {
         const ShadowAtlas::Tile& tile = atlas.tiles[i];
+        if (tile.casters.empty())
+            continue;
         const int place = static_cast<int>(i);
         glViewport(place % atlas.columns * atlas.resolution, place / atlas.columns * atlas.resolution,
                    atlas.resolution, atlas.resolution);
-        materials.drawDepth(context, scene, tile.clipFromAnchored, visibility.anchorWorld,
-                            visibility.lights[tile.light].casters);
+        materials.drawDepth(context, scene, tile.clipFromAnchored, visibility.anchorWorld, tile.casters,
+                            {.view = static_cast<std::size_t>(atlas.kind) * maxFrameShadowViews + i});
     }
     glDisable(GL_DEPTH_CLAMP);
     glViewport(0, 0, atlas.width(), atlas.height());
@@ -106,6 +125,9 @@ void FrameShadows::bind(graph::PassContext& context, const Visibility& visibilit
                         const std::vector<Map>& maps, int radius) {
     FrameShadowBlock block;
     block.mode.x = radius;
+    const glm::mat4& anchoredFromCamera = visibility.depths.camera.worldFromCamera;
+    const glm::vec3 forward = -glm::vec3(anchoredFromCamera[2]);
+    block.eyeForward = glm::vec4(forward, -glm::dot(forward, glm::vec3(anchoredFromCamera[3])));
     std::size_t view = 0;
     for (const Map& map : maps)
         for (std::size_t i = 0; i < map.atlas.tiles.size(); ++i, ++view) {
@@ -115,13 +137,16 @@ void FrameShadows::bind(graph::PassContext& context, const Visibility& visibilit
             block.shadowFromWorld[view] = shadowFromClip() * tile.clipFromAnchored;
             block.worldFromShadow[view] =
                 quincunx::inverse(block.shadowFromWorld[view]).value_or(glm::mat4(1));
-            const int place = static_cast<int>(i);
+            const int column = static_cast<int>(i) % atlas.columns;
+            const int row = static_cast<int>(i) / atlas.columns;
             const glm::vec2 scale(1 / static_cast<float>(atlas.columns), 1 / static_cast<float>(atlas.rows));
-            block.tiles[view] = {scale.x * static_cast<float>(place % atlas.columns),
-                                 scale.y * static_cast<float>(place / atlas.columns), scale.x, scale.y};
+            block.tiles[view] = {scale.x * static_cast<float>(column), scale.y * static_cast<float>(row),
+                                 scale.x, scale.y};
             glm::ivec4& light = block.lights[tile.light];
             if (light.y == 0)
                 light.x = static_cast<int>(view);
+            if (light.y < 4)
+                block.distances[tile.light][light.y] = tile.viewDistance;
             ++light.y;
             block.texels[tile.light].x = 1 / static_cast<float>(atlas.resolution);
         }

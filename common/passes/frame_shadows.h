@@ -16,6 +16,8 @@ struct ShadowAtlas {
     struct Tile {
         std::size_t light = 0;  ///< index into Visibility::lights
         glm::mat4 clipFromAnchored{1};
+        float viewDistance = 0;  ///< directional lights: serves what is up to so far along the view
+        std::vector<std::uint32_t> casters;  ///< those of the light that may be seen in it
     };
     Light::Kind kind = Light::Kind::directional;
     int resolution = 1;  ///< texels along a side of a tile
@@ -28,7 +30,8 @@ struct ShadowAtlas {
 };
 
 /// Tiles for the lights of that kind that cast onto something in view; without any, one tile that stays
-/// empty. The resolution is halved until the map's sides are within 8192 texels.
+/// empty. A directional light's view is cut into slices where it is deep, with a tile of half the side for
+/// each. The resolution is halved until the map's sides are within 8192 texels.
 ShadowAtlas makeShadowAtlas(const Visibility& visibility, const Scene& scene, Light::Kind kind,
                             const FrameSettings& settings);
 

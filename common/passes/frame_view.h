@@ -33,9 +33,14 @@ struct FrameSettings {
     /// Of every light that casts; a directional light's one map is as large as wanted, a spot's and each of a
     /// point's six views half as wide.
     int shadowResolution = 2048;
-    int shadowRadius = 1;             ///< of the (2 radius + 1)² bilinear taps
     int environmentResolution = 128;  ///< texels along an edge of a face of the environment map, ≥ 1
+    /// Slices of the view that a directional light has a map of, whose sides are half as long then; 0: as
+    /// many as its depth is worth (cascadesFor), else 1 … 4.
+    int shadowCascades = 0;
+    int shadowRadius = 1;  ///< of the (2 radius + 1)² bilinear taps
 
+    bool drawsUnseen =
+        false;               ///< draw what is out of view as well, for measuring; the picture stays the same
     EffectSet forced = {};   ///< run although nothing calls for them; the picture stays the same
     EffectSet leftOut = {};  ///< not run although they are called for, for measuring; this wins
 };
@@ -43,9 +48,12 @@ struct FrameSettings {
 /// All that a frame depends on. What it refers to outlives the frame's run.
 struct FrameView {
     const Scene& scene;  ///< as the picture shows it: halfway through the exposure
-    Camera camera;       ///< the same
-    int width = 0;       ///< pixels, ≥ 1
-    int height = 0;      ///< pixels, ≥ 1
+    /// The same. Depth is a float that nears 1 with the distance: at distance z, surfaces that are farther
+    /// apart than 2^-21 z² / nearDistance are drawn in their order, whatever the far distance. Held by
+    /// FrameHardCases.*.
+    Camera camera;
+    int width = 0;   ///< pixels, ≥ 1
+    int height = 0;  ///< pixels, ≥ 1
     FrameSettings settings = {};
     /// Placements of the instances when the shutter opens and closes; both empty: as in the scene.
     std::span<const glm::mat4> worldFromModelAtOpen = {};

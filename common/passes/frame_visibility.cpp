@@ -21,49 +21,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Of the magnitudes that a sum is made of: see SceneBounds::look.
 constexpr double slack = 0x1p-21;
 
-/// A box in the anchored world.
-struct Box {
-    glm::dvec3 centre{0};
-    glm::dvec3 half{0};
-};
-
-/// Six planes, each with the magnitudes of the terms that the device sums for it.
-struct ViewPlanes {
-    struct Plane {
-        glm::dvec3 normal{0};
-        double offset = 0;
-        glm::dvec3 magnitude{0};
-        double offsetMagnitude = 0;
-    };
-    std::array<Plane, 6> planes;
-
-    explicit ViewPlanes(const glm::mat4& clipFromAnchored) {
-        const glm::dmat4 clip(clipFromAnchored);
-        for (int axis = 0; axis < 3; ++axis)
-            for (int side = 0; side < 2; ++side) {
-                const double sign = side == 0 ? 1 : -1;
-                Plane& plane = planes[static_cast<std::size_t>(2 * axis + side)];
-                for (int column = 0; column < 3; ++column) {
-                    plane.normal[column] = clip[column][3] + sign * clip[column][axis];
-                    plane.magnitude[column] = std::abs(clip[column][3]) + std::abs(clip[column][axis]);
-                }
-                plane.offset = clip[3][3] + sign * clip[3][axis];
-                plane.offsetMagnitude = std::abs(clip[3][3]) + std::abs(clip[3][axis]);
-            }
-    }
-
-    bool mayMeet(const Box& box) const {
-        for (const Plane& plane : planes) {
-            const double reach = glm::dot(glm::abs(plane.normal), box.half);
-            const double value = glm::dot(plane.normal, box.centre) + plane.offset + reach;
-            const double magnitude =
-                glm::dot(plane.magnitude, glm::abs(box.centre) + box.half) + plane.offsetMagnitude;
-            if (value < -slack * magnitude)
-                return false;
-        }
-        return true;
-    }
-};
+using Box = AnchoredBox;
 
 Box boxOf(const glm::mat4& anchoredFromModel, const glm::dvec3& centre, const glm::dvec3& half) {
     Box box;
@@ -170,17 +128,15 @@ double strengthAt(const Light& light, const Reach& reach, const Box& box) {
     return power / std::max(distance * distance, std::numeric_limits<double>::min());
 }
 
-/// The boxes of all instances in the anchored world, and what they are to light.
+/// What an instance is to light.
 struct Placed {
-    std::vector<Box> boxes;
-    std::vector<bool> drawable;
-    std::vector<bool> casts;  ///< drawable, and not blended
-    std::vector<bool> flat;
+    bool casts = false;  ///< there is something to draw, and it does not blend
+    bool flat = false;
 };
 
 /// What of a light the visible instances get, and which instances stand in its way.
-LightReach reachOf(const Light& light, std::size_t index, const Reach& reach, const Placed& placed,
-                   const std::vector<std::uint32_t>& receivers) {
+LightReach reachOf(const Light& light, std::size_t index, const Reach& reach, const std::vector<Box>& boxes,
+                   const std::vector<Placed>& placed, const std::vector<std::uint32_t>& receivers) {
     LightReach result;
     result.light = index;
     result.receivers = receivers.size();
@@ -198,7 +154,7 @@ LightReach reachOf(const Light& light, std::size_t index, const Reach& reach, co
     Span receiving;
     double farthest = 0;
     for (const std::uint32_t i : receivers) {
-        const Box& box = placed.boxes[i];
+        const Box& box = boxes[i];
         if (directional) {
             const Box turned = inLight(box);
             receiving.add(turned.centre, turned.half);
@@ -219,12 +175,12 @@ LightReach reachOf(const Light& light, std::size_t index, const Reach& reach, co
     const bool alone = receivers.size() == 1;
     Span casting;
     Span castingInWorld;
-    for (std::size_t i = 0; i < placed.boxes.size(); ++i) {
-        if (!placed.casts[i])
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+        if (!placed[i].casts)
             continue;
-        const Box& box = placed.boxes[i];
+        const Box& box = boxes[i];
         const Box turned = directional ? inLight(box) : Box{};
-        if (!mayCast(box, turned) || (placed.flat[i] && alone && receivers.front() == i))
+        if (!mayCast(box, turned) || (placed[i].flat && alone && receivers.front() == i))
             continue;
         result.casters.push_back(static_cast<std::uint32_t>(i));
         castingInWorld.add(box.centre, box.half);
@@ -234,7 +190,7 @@ LightReach reachOf(const Light& light, std::size_t index, const Reach& reach, co
     if (result.casters.empty())
         return result;
     for (const std::uint32_t i : receivers) {
-        const Box& box = placed.boxes[i];
+        const Box& box = boxes[i];
         const Box turned = directional ? inLight(box) : Box{};
         const bool meets = !directional || !(turned.centre.x - turned.half.x > casting.max.x ||
                                              turned.centre.x + turned.half.x < casting.min.x ||
@@ -252,6 +208,32 @@ LightReach reachOf(const Light& light, std::size_t index, const Reach& reach, co
 }
 
 }  // namespace
+
+ViewPlanes::ViewPlanes(const glm::mat4& clipFromAnchored, Kind kind) : count_(kind == Kind::all ? 6 : 4) {
+    const glm::dmat4 clip(clipFromAnchored);
+    for (int axis = 0; axis < 3; ++axis)
+        for (int side = 0; side < 2; ++side) {
+            const double sign = side == 0 ? 1 : -1;
+            Plane& plane = planes_[static_cast<std::size_t>(2 * axis + side)];
+            for (int column = 0; column < 3; ++column) {
+                plane.normal[column] = clip[column][3] + sign * clip[column][axis];
+                plane.magnitude[column] = std::abs(clip[column][3]) + std::abs(clip[column][axis]);
+            }
+            plane.offset = clip[3][3] + sign * clip[3][axis];
+            plane.offsetMagnitude = std::abs(clip[3][3]) + std::abs(clip[3][axis]);
+        }
+}
+
+bool ViewPlanes::mayMeet(const AnchoredBox& box) const {
+    return std::none_of(
+        planes_.begin(), planes_.begin() + static_cast<std::ptrdiff_t>(count_), [&](const Plane& plane) {
+            const double reach = glm::dot(glm::abs(plane.normal), box.half);
+            const double value = glm::dot(plane.normal, box.centre) + plane.offset + reach;
+            const double magnitude =
+                glm::dot(plane.magnitude, glm::abs(box.centre) + box.half) + plane.offsetMagnitude;
+            return value < -slack * magnitude;
+        });
+}
 
 SceneBounds::SceneBounds(const Scene& scene) {
     meshes_.reserve(scene.meshes.size());
@@ -286,21 +268,16 @@ Visibility SceneBounds::look(const FrameView& view) const {
     const bool exposes = view.settings.shutterSeconds > 0;
     result.cameraMoves = exposes && !isSame(view.cameraAtOpen, view.cameraAtClose);
 
-    struct Answer {
-        bool blends;
-        bool mirrors;
-    };
-    std::vector<Answer> materials;
-    materials.reserve(scene.materials.size());
-    for (const Material& material : scene.materials)
-        materials.push_back(
-            {material.alphaMode == Material::AlphaMode::blend, mirrorsSurroundings(material)});
-
     const ViewPlanes planes(result.clipFromAnchored);
     const std::size_t count = scene.instances.size();
-    Placed placed{std::vector<Box>(count), std::vector<bool>(count), std::vector<bool>(count),
-                  std::vector<bool>(count)};
+    std::vector<Placed> placed(count);
+    std::vector<Box>& boxes = result.boxes;
+    boxes.resize(count);
+    const glm::dvec3 forward = -glm::dvec3(view.camera.worldFromCamera[2]);
+    double nearest = infinity;
+    double farthest = 0;
     std::vector<std::uint32_t> receivers;
+    receivers.reserve(count);
     std::vector<std::uint32_t> blended;
     std::vector<double> distances;
     Span seen;
@@ -309,34 +286,48 @@ Visibility SceneBounds::look(const FrameView& view) const {
         const MeshBounds& mesh = meshes_[instance.mesh];
         if (mesh.empty)
             continue;
-        const Answer& material = materials[instance.material];
+        const Material& material = scene.materials[instance.material];
+        const bool blends = material.alphaMode == Material::AlphaMode::blend;
+        const bool mirrors = mirrorsSurroundings(material);
         const glm::mat4 anchored = relativeTo(anchor, instance.worldFromModel);
         const Box box = boxOf(anchored, mesh.centre, mesh.half);
-        placed.boxes[i] = box;
-        placed.drawable[i] = true;
-        placed.casts[i] = !material.blends;
-        placed.flat[i] = mesh.flat;
-        result.surroundings.mirrors += material.mirrors ? 1 : 0;
+        boxes[i] = box;
+        placed[i] = {!blends, mesh.flat};
+        result.surroundings.mirrors += mirrors ? 1 : 0;
         const bool visible = planes.mayMeet(box);
         const auto index = static_cast<std::uint32_t>(i);
-        if (!visible)
+        if (!visible && !view.settings.drawsUnseen)
             continue;
-        if (material.blends) {
+        if (blends) {
             const glm::dvec3 towards = box.centre - glm::dvec3(result.eyeAnchored);
             blended.push_back(index);
             distances.push_back(glm::dot(towards, towards));
         } else {
             result.solid.push_back(index);
-            if (exposes && posed && !isSame(view.worldFromModelAtOpen[i], view.worldFromModelAtClose[i]))
+            if (visible && exposes && posed &&
+                !isSame(view.worldFromModelAtOpen[i], view.worldFromModelAtClose[i]))
                 result.moving.push_back(index);
         }
-        result.surroundings.mirrorsInView += material.mirrors ? 1 : 0;
+        if (!visible)
+            continue;
+        result.surroundings.mirrorsInView += mirrors ? 1 : 0;
         receivers.push_back(index);
+        const double distance = glm::dot(box.centre - glm::dvec3(result.eyeAnchored), forward);
+        const double reach = glm::dot(glm::abs(forward), box.half);
+        nearest = std::min(nearest, distance - reach);
+        farthest = std::max(farthest, distance + reach);
         seen.add(box.centre, box.half);
     }
     result.blended.reserve(blended.size());
     for (const std::uint32_t i : farthestFirst(distances))
         result.blended.push_back(blended[i]);
+
+    const auto near = static_cast<double>(view.camera.nearDistance);
+    farthest = std::min(farthest, static_cast<double>(view.camera.farDistance));
+    result.depths = {view.camera, aspect, std::max(nearest, near), farthest};
+    result.depths.camera.worldFromCamera = relativeTo(anchor, view.camera.worldFromCamera);
+    if (!(std::isfinite(farthest) && farthest > result.depths.nearest))
+        result.depths.farthest = result.depths.nearest = near;
 
     // Which lights matter, the strongest if there are too many.
     const Box all{0.5 * (seen.min + seen.max), 0.5 * (seen.max - seen.min)};
@@ -351,10 +342,9 @@ Visibility SceneBounds::look(const FrameView& view) const {
         const Light& light = scene.lights[l];
         reaches.emplace_back(light, anchor);
         const glm::vec3 radiance = light.color * light.intensity;
-        const bool any =
-            radiance != glm::vec3(0) && std::any_of(receivers.begin(), receivers.end(), [&](std::uint32_t i) {
-                return reaches.back().mayLight(placed.boxes[i]);
-            });
+        const bool any = radiance != glm::vec3(0) &&
+                         std::any_of(receivers.begin(), receivers.end(),
+                                     [&](std::uint32_t i) { return reaches.back().mayLight(boxes[i]); });
         if (any)
             candidates.push_back({l, strengthAt(light, reaches.back(), all)});
         else
@@ -373,9 +363,10 @@ Visibility SceneBounds::look(const FrameView& view) const {
         const Reach& reach = reaches[candidate.light];
         lit.clear();
         for (const std::uint32_t i : receivers)
-            if (reach.mayLight(placed.boxes[i]))
+            if (reach.mayLight(boxes[i]))
                 lit.push_back(i);
-        result.lights.push_back(reachOf(scene.lights[candidate.light], candidate.light, reach, placed, lit));
+        result.lights.push_back(
+            reachOf(scene.lights[candidate.light], candidate.light, reach, boxes, placed, lit));
     }
     if (result.surroundings.mirrorsInView > 0)
         look(scene, result.surroundings);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -14,6 +15,33 @@
 /// in the view or not, can throw a shadow onto those. Everything is decided from bounds, on the safe side:
 /// what can change a pixel is never left out, what cannot is sometimes kept.
 namespace quincunx {
+
+/// A box in the anchored world, with axes along its own.
+struct AnchoredBox {
+    glm::dvec3 centre{0};
+    glm::dvec3 half{0};
+};
+
+/// The planes of a view, each with the magnitudes of the terms that the device sums for it.
+class ViewPlanes {
+  public:
+    /// `sides`: without the near and the far plane, for views that clamp to them.
+    enum class Kind { all, sides };
+    explicit ViewPlanes(const glm::mat4& clipFromAnchored, Kind kind = Kind::all);
+
+    /// False only where the device is certain to draw nothing of what is in the box: see SceneBounds::look.
+    bool mayMeet(const AnchoredBox& box) const;
+
+  private:
+    struct Plane {
+        glm::dvec3 normal{0};
+        double offset = 0;
+        glm::dvec3 magnitude{0};
+        double offsetMagnitude = 0;
+    };
+    std::array<Plane, 6> planes_;
+    std::size_t count_ = 6;
+};
 
 /// A light that reaches something in view, and what it meets. Indices are those of the scene's instances.
 struct LightReach {
@@ -44,8 +72,12 @@ struct Visibility {
     glm::mat4 clipFromAnchored{1};  ///< of the camera, rounded once
     glm::vec3 eyeAnchored{0};
 
-    std::vector<std::uint32_t> solid;     ///< visible instances that do not blend, in the scene's order
-    std::vector<std::uint32_t> blended;   ///< visible instances that blend, the farthest first
+    /// Visible instances that do not blend, in the scene's order; with FrameSettings::drawsUnseen all of
+    /// them.
+    std::vector<std::uint32_t> solid;
+    std::vector<std::uint32_t> blended;   ///< the same of those that blend, the farthest first
+    std::vector<AnchoredBox> boxes;       ///< of all instances; of one with nothing to draw, a point
+    ViewDepths depths;                    ///< of what is visible, in the anchored world
     std::vector<LightReach> lights;       ///< at most maxShaderLights, in the scene's order
     std::size_t lightsLeftOut = 0;        ///< that reach something in view, but are weaker than those
     std::size_t lightsWithoutEffect = 0;  ///< dark, or of no reach into the view

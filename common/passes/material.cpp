@@ -11,6 +11,7 @@
 #include "base/check.h"
 #include "math/transform.h"
 #include "passes/forward.h"
+#include "passes/triangle_order.h"
 
 namespace quincunx {
 namespace {
@@ -340,7 +341,29 @@ const MaterialPass::Placement& MaterialPass::place(const Scene& scene, const glm
     return placement;
 }
 
-MaterialPass::Frame MaterialPass::batch(const Scene& scene, const glm::vec3& anchorWorld) {
+bool MaterialPass::overlapsItself(const Scene& scene, std::size_t mesh) {
+    overlapsItself_.resize(scene.meshes.size());
+    std::optional<bool>& known = overlapsItself_[mesh];
+    if (!known)
+        known = !isConvex(scene.meshes[mesh]);
+    return *known;
+}
+
+void MaterialPass::orderTriangles(const Scene& scene, const glm::vec3& eyeAnchored, const Frame& frame) {
+    ordered_.begin();
+    firstOrdered_.clear();
+    for (const Batch& batch : frame.batches)
+        if (batch.ordered) {
+            const std::vector<std::uint32_t> triangles = trianglesFarthestFirst(
+                scene.meshes[batch.mesh], placements_[*batch.ordered].block.worldFromModel, eyeAnchored);
+            firstOrdered_.push_back(ordered_.add(meshes_, batch.mesh, triangles));
+            counts_.orderedTriangles += triangles.size();
+        }
+    ordered_.send(meshes_);
+}
+
+MaterialPass::Frame MaterialPass::batch(const Scene& scene, const glm::vec3& anchorWorld,
+                                        bool ordersTriangles) {
     QX_CHECK_EQ(scene.instances.size(), placements_.size());
     if (!surfacesAreAsKnown(scene))
         regroup(scene);
@@ -369,14 +392,17 @@ MaterialPass::Frame MaterialPass::batch(const Scene& scene, const glm::vec3& anc
         const Group& group = groups_[key >> groupShift];
         const MaterialFeatures features = surfaces_[group.surface].features;
         const bool blended = stageOf(features) == 2;
+        const bool ordered = blended && ordersTriangles && overlapsItself(scene, group.mesh);
         // The far sides of one come before the near sides of the same, not of the next.
-        const bool alone = blended && features.has(MaterialFeature::doubleSided);
+        const bool alone = ordered || (blended && features.has(MaterialFeature::doubleSided));
         if (kind != last || alone || frame.batches.back().count == maxInstances) {
             last = kind;
             // Uniform buffers are bound at multiples of 256 bytes.
             if (instances_.size() % 2 != 0)
                 instances_.emplace_back();
-            frame.batches.push_back({group.surface, group.mesh, instances_.size(), 0, (kind & 1) != 0});
+            frame.batches.push_back({group.surface, group.mesh, instances_.size(), 0, (kind & 1) != 0, {}});
+            if (ordered)
+                frame.batches.back().ordered = listed_[key & 0xffffffffu];
             if (!blended)
                 frame.blendedFrom = frame.batches.size();
         }
@@ -437,6 +463,16 @@ void MaterialPass::drawBatch(const InstanceStore& store, const Batch& batch) {
     counts_.triangles += batch.count * meshes_.triangleCount(batch.mesh);
 }
 
+void MaterialPass::drawOrderedBatch(const Batch& batch, std::size_t first) {
+    forColor_.buffer.bindUniform(instanceBinding, batch.firstSlot * sizeof(InstanceBlock),
+                                 maxInstances * sizeof(InstanceBlock));
+    ordered_.bind(meshes_, batch.mesh);
+    ordered_.draw(meshes_, batch.mesh, first);
+    ++counts_.drawCalls;
+    ++counts_.instances;
+    counts_.triangles += meshes_.triangleCount(batch.mesh);
+}
+
 void MaterialPass::draw(graph::PassContext& context, const Scene& scene, const MaterialView& view,
                         const MaterialParams& params) {
     counts_ = {};
@@ -448,7 +484,9 @@ void MaterialPass::draw(graph::PassContext& context, const Scene& scene, const M
     listed_.insert(listed_.end(), view.blended.begin(), view.blended.end());
     if (listed_.empty())
         return;
-    const Frame batches = batch(scene, view.anchorWorld);
+    const Frame batches = batch(scene, view.anchorWorld, params.ordersTriangles);
+    orderTriangles(scene, glm::vec3(view.frame.eyeWorld), batches);
+    auto firstOrdered = firstOrdered_.cbegin();
     sendInstances(forColor_);
     sendMaterials(scene, batches);
 
@@ -476,6 +514,13 @@ void MaterialPass::draw(graph::PassContext& context, const Scene& scene, const M
         state.frontIsClockwise(batch.mirrored);
         if (blended)
             state.blend();
+        if (batch.ordered) {
+            // Both sides of a double-sided one in one order: of what is not convex some near sides lie behind
+            // far ones.
+            state.cull(!doubleSided);
+            drawOrderedBatch(batch, *firstOrdered++);
+            continue;
+        }
         state.cull(blended || !doubleSided);
         if (blended && doubleSided) {
             glCullFace(GL_FRONT);
@@ -490,17 +535,20 @@ void MaterialPass::draw(graph::PassContext& context, const Scene& scene, const M
 
 void MaterialPass::drawDepth(graph::PassContext& context, const Scene& scene,
                              const glm::mat4& clipFromAnchored, const glm::vec3& anchorWorld,
-                             std::span<const std::uint32_t> casters, bool backFaces) {
+                             std::span<const std::uint32_t> casters, const DepthOfMaterials& params) {
     counts_ = {};
     if (casters.empty())
         return;
     listed_.assign(casters.begin(), casters.end());
     const Frame batches = batch(scene, anchorWorld);
-    sendInstances(forDepth_);
+    if (forDepth_.size() <= params.view)
+        forDepth_.resize(params.view + 1);
+    InstanceStore& store = forDepth_[params.view];
+    sendInstances(store);
     sendMaterials(scene, batches);
 
     DrawState state;
-    if (backFaces)
+    if (params.backFaces)
         glCullFace(GL_FRONT);
     std::optional<MaterialFeatures> program;
     for (const Batch& batch : batches.batches) {
@@ -518,9 +566,9 @@ void MaterialPass::drawDepth(graph::PassContext& context, const Scene& scene,
             bindMaterial(scene, surface, features);
         state.cull(!cutOut && !surface.features.has(MaterialFeature::doubleSided));
         state.frontIsClockwise(batch.mirrored);
-        drawBatch(forDepth_, batch);
+        drawBatch(store, batch);
     }
-    if (backFaces)
+    if (params.backFaces)
         glCullFace(GL_BACK);
     state.restore();
 }

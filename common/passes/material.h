@@ -78,6 +78,8 @@ struct MaterialParams {
     /// bit for bit.
     MaterialFeatures forced = {};
     bool background = true;  ///< draw the frame block's gradient first
+    /// The triangles of what blends and is not convex are drawn farthest first, as seen from the frame's eye.
+    bool ordersTriangles = false;
 };
 
 /// What a frame shows of a scene, and from where. Indices are those of Scene::instances, none twice. Whether
@@ -87,6 +89,15 @@ struct MaterialView {
     glm::vec3 anchorWorld{0};  ///< taken off placements, so that what is far from the origin stays sharp
     std::span<const std::uint32_t> visible = {};
     std::span<const std::uint32_t> blended = {};  ///< listed after `visible`; may be empty
+};
+
+/// How the depths of materials are drawn.
+struct DepthOfMaterials {
+    /// The far sides of solids instead of the near ones; what is double-sided or cut out is drawn from both.
+    bool backFaces = false;
+    /// Which of a frame's views this is: each keeps its instances on the device, and sends them when they
+    /// change.
+    std::size_t view = 0;
 };
 
 /// The program for materials with these features.
@@ -107,6 +118,7 @@ class MaterialPass {
         std::size_t drawCalls = 0;
         std::size_t programs = 0;  ///< different ones
         std::uint64_t triangles = 0;
+        std::uint64_t orderedTriangles = 0;  ///< of those that were sorted
     };
 
     /// Draws instances into the bound target, whose depth is clear: opaque ones first, ordered by program,
@@ -121,12 +133,11 @@ class MaterialPass {
     const Counts& counts() const { return counts_; }
 
     /// Positions alone, into the bound depth target's viewport, as a light sees them, instanced in the same
-    /// way. `clipFromAnchored` is of positions relative to `anchorWorld`. `backFaces`: the far sides of
-    /// solids instead of the near ones; what is double-sided or cut out is drawn from both. Blended materials
-    /// cast whole shadows.
+    /// way. `clipFromAnchored` is of positions relative to `anchorWorld`. Blended materials cast whole
+    /// shadows.
     void drawDepth(graph::PassContext& context, const Scene& scene, const glm::mat4& clipFromAnchored,
                    const glm::vec3& anchorWorld, std::span<const std::uint32_t> casters,
-                   bool backFaces = false);
+                   const DepthOfMaterials& params = {});
 
   private:
     /// A material on meshes with or without attributes that it asks for.
@@ -162,6 +173,7 @@ class MaterialPass {
         std::size_t firstSlot = 0;
         std::size_t count = 0;
         bool mirrored = false;
+        std::optional<std::uint32_t> ordered = {};  ///< an instance whose triangles are sorted, alone in this
     };
     struct Frame {
         std::vector<Batch> batches;
@@ -178,7 +190,10 @@ class MaterialPass {
     bool surfacesAreAsKnown(const Scene& scene);
     const Placement& place(const Scene& scene, const glm::vec3& anchorWorld, std::uint32_t instance);
     /// Of the instances in `listed_`.
-    Frame batch(const Scene& scene, const glm::vec3& anchorWorld);
+    Frame batch(const Scene& scene, const glm::vec3& anchorWorld, bool ordersTriangles = false);
+    bool overlapsItself(const Scene& scene, std::size_t mesh);
+    void orderTriangles(const Scene& scene, const glm::vec3& eyeAnchored, const Frame& frame);
+    void drawOrderedBatch(const Batch& batch, std::size_t first);
     void sendInstances(InstanceStore& store);
     void sendMaterials(const Scene& scene, const Frame& frame);
     void bindMaterial(const Scene& scene, const Surface& surface, MaterialFeatures used) const;
@@ -188,7 +203,10 @@ class MaterialPass {
     std::vector<gl::Texture2D> textures_;  ///< empty where no material uses it
     FrameUniforms frameUniforms_;
     InstanceStore forColor_;
-    InstanceStore forDepth_;
+    MeshBuffers::Ordered ordered_;
+    std::vector<std::optional<bool>> overlapsItself_;  ///< by mesh, where it was asked for
+    std::vector<std::size_t> firstOrdered_;            ///< by batch that is ordered, in order
+    std::vector<InstanceStore> forDepth_;              ///< by view
     gl::Buffer materialBuffer_;
     std::vector<Surface> surfaces_;
     std::vector<Group> groups_;             ///< in the order of drawing

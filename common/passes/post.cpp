@@ -44,10 +44,12 @@ int radiusOf(float sigma, float reach) {
 /// Weights of distances 0 … radius that sum to 1 over both sides.
 std::vector<float> weightsOf(double sigma, int radius) {
     std::vector<double> weights = {1};
+    weights.reserve(static_cast<std::size_t>(radius) + 1);
     for (int i = 1; i <= radius; ++i)
         weights.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
     const double sum = 2 * std::accumulate(weights.begin(), weights.end(), 0.0) - weights.front();
     std::vector<float> result;
+    result.reserve(weights.size());
     for (const double weight : weights)
         result.push_back(static_cast<float>(weight / sum));
     return result;

@@ -191,7 +191,7 @@ MeshBuffers::MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<Vert
         std::vector<float> floats;
     };
     std::vector<Contents> contents;
-    std::vector<std::uint32_t> indices;
+    std::vector<std::uint32_t>& indices = indexCopy_;
     for (std::size_t m = 0; m < meshes.size(); ++m) {
         const auto fits = [&](const Contents& store) {
             return store.extras.texcoords1 == extras[m].texcoords1 &&
@@ -216,32 +216,75 @@ MeshBuffers::MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<Vert
     }
     indices_ = gl::Buffer("indices", GL_ARRAY_BUFFER, bytesOf(indices));
     for (const Contents& content : contents) {
-        Store& store = stores_.emplace_back(gl::Buffer("vertices", GL_ARRAY_BUFFER, bytesOf(content.floats)),
+        Store& store = stores_.emplace_back(content.extras,
+                                            gl::Buffer("vertices", GL_ARRAY_BUFFER, bytesOf(content.floats)),
                                             gl::VertexArray("scene"));
-        struct Attribute {
-            GLuint location;
-            GLint components;
-        };
-        std::vector<Attribute> attributes = {
-            {positionLocation, 3}, {normalLocation, 3}, {texcoordLocation, 2}};
-        if (content.extras.texcoords1)
-            attributes.push_back({texcoord1Location, 2});
-        if (content.extras.tangentsFor)
-            attributes.push_back({tangentLocation, 4});
-        if (content.extras.colors)
-            attributes.push_back({colorLocation, 4});
-        GLint floats = 0;
-        for (const Attribute& attribute : attributes)
-            floats += attribute.components;
-        std::size_t offset = 0;
-        for (const Attribute& attribute : attributes) {
-            store.vertexArray.attribute(store.vertices,
-                                        {attribute.location, attribute.components, GL_FLOAT, false,
-                                         floats * static_cast<GLsizei>(sizeof(float)), offset});
-            offset += static_cast<std::size_t>(attribute.components) * sizeof(float);
-        }
+        attach(store, store.vertexArray);
         store.vertexArray.indices(indices_);
     }
+}
+
+void MeshBuffers::attach(const Store& store, gl::VertexArray& vertexArray) {
+    struct Attribute {
+        GLuint location;
+        GLint components;
+    };
+    std::vector<Attribute> attributes = {{positionLocation, 3}, {normalLocation, 3}, {texcoordLocation, 2}};
+    if (store.extras.texcoords1)
+        attributes.push_back({texcoord1Location, 2});
+    if (store.extras.tangentsFor)
+        attributes.push_back({tangentLocation, 4});
+    if (store.extras.colors)
+        attributes.push_back({colorLocation, 4});
+    GLint floats = 0;
+    for (const Attribute& attribute : attributes)
+        floats += attribute.components;
+    std::size_t offset = 0;
+    for (const Attribute& attribute : attributes) {
+        vertexArray.attribute(store.vertices, {attribute.location, attribute.components, GL_FLOAT, false,
+                                               floats * static_cast<GLsizei>(sizeof(float)), offset});
+        offset += static_cast<std::size_t>(attribute.components) * sizeof(float);
+    }
+}
+
+std::size_t MeshBuffers::Ordered::add(const MeshBuffers& meshes, std::size_t mesh,
+                                      std::span<const std::uint32_t> triangles) {
+    const std::size_t first = indices_.size();
+    const std::uint32_t* const from =
+        meshes.indexCopy_.data() + meshes.ranges_[mesh].firstIndexByte / sizeof(std::uint32_t);
+    QX_CHECK_EQ(triangles.size(), meshes.triangleCount(mesh));
+    indices_.reserve(first + 3 * triangles.size());
+    for (const std::uint32_t triangle : triangles)
+        indices_.insert(indices_.end(), from + std::size_t{3} * triangle,
+                        from + std::size_t{3} * triangle + 3);
+    return first;
+}
+
+void MeshBuffers::Ordered::send(const MeshBuffers& meshes) {
+    if (indices_.empty())
+        return;
+    if (!buffer_) {
+        buffer_ = gl::Buffer("ordered indices", GL_ARRAY_BUFFER, {}, GL_DYNAMIC_DRAW);
+        for (const Store& store : meshes.stores_) {
+            gl::VertexArray& array = arrays_.emplace_back("ordered");
+            attach(store, array);
+            array.indices(buffer_);
+        }
+    }
+    if (indices_ == sent_)
+        return;
+    buffer_.upload(bytesOf(indices_));
+    sent_ = indices_;
+}
+
+void MeshBuffers::Ordered::bind(const MeshBuffers& meshes, std::size_t mesh) const {
+    arrays_[meshes.ranges_[mesh].store].bind();
+}
+
+void MeshBuffers::Ordered::draw(const MeshBuffers& meshes, std::size_t mesh, std::size_t first) const {
+    const Range& range = meshes.ranges_[mesh];
+    glDrawElementsBaseVertex(GL_TRIANGLES, range.indexCount, GL_UNSIGNED_INT,
+                             reinterpret_cast<const void*>(first * sizeof(std::uint32_t)), range.baseVertex);
 }
 
 void MeshBuffers::bind(std::size_t mesh) const {
@@ -329,11 +372,10 @@ void SceneBuffers::update(const FrameBlock& frame, const std::vector<ObjectBlock
 
 void SceneBuffers::updateObjects(const std::vector<ObjectBlock>& objects) {
     QX_CHECK_EQ(objects.size(), draws_.size());
-    const auto haveSameBytes = [](const ObjectBlock& a, const ObjectBlock& b) {
-        return std::memcmp(&a, &b, sizeof(ObjectBlock)) == 0;
+    const auto bytesOf = [](const std::vector<ObjectBlock>& blocks) {
+        return std::as_bytes(std::span(blocks));
     };
-    const bool same =
-        std::equal(objects.begin(), objects.end(), objects_.begin(), objects_.end(), haveSameBytes);
+    const bool same = std::ranges::equal(bytesOf(objects), bytesOf(objects_));
     if (!same) {
         objects_ = objects;
         objectBuffer_.upload(bytesOf(objects_));

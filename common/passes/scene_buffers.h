@@ -4,6 +4,7 @@
 #include <compare>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -106,6 +107,25 @@ class MeshBuffers {
     void draw(std::size_t mesh) const;
     void drawInstanced(std::size_t mesh, std::size_t count) const;
 
+    /// Triangles in orders of one's own: `begin` a frame's, `add` a mesh with its triangles in some order,
+    /// which returns what to draw it by, and `send` them; then bind and draw. What is as it was is not sent
+    /// again.
+    class Ordered {
+      public:
+        void begin() { indices_.clear(); }
+        std::size_t add(const MeshBuffers& meshes, std::size_t mesh,
+                        std::span<const std::uint32_t> triangles);
+        void send(const MeshBuffers& meshes);
+        void bind(const MeshBuffers& meshes, std::size_t mesh) const;
+        void draw(const MeshBuffers& meshes, std::size_t mesh, std::size_t first) const;
+
+      private:
+        std::vector<std::uint32_t> indices_;
+        std::vector<std::uint32_t> sent_;
+        gl::Buffer buffer_;
+        std::vector<gl::VertexArray> arrays_;  ///< by store
+    };
+
     std::size_t size() const { return ranges_.size(); }
     std::uint64_t vertexCount(std::size_t mesh) const { return ranges_[mesh].vertexCount; }
     std::uint64_t triangleCount(std::size_t mesh) const {
@@ -122,10 +142,14 @@ class MeshBuffers {
         std::uint64_t vertexCount = 0;
     };
     struct Store {
+        VertexExtras extras;
         gl::Buffer vertices;
         gl::VertexArray vertexArray;
     };
+    static void attach(const Store& store, gl::VertexArray& vertexArray);
+
     std::vector<Range> ranges_;
+    std::vector<std::uint32_t> indexCopy_;
     gl::Buffer indices_;
     std::vector<Store> stores_;
 };

@@ -209,10 +209,10 @@ ShadowBlock makeBlock(const ShadowMap::Lookup& lookup) {
     for (std::size_t i = 0; i < views.size(); ++i) {
         block.shadowFromWorld[i] = shadowFromClip() * views[i].clipFromWorld;
         block.worldFromShadow[i] = inverse(block.shadowFromWorld[i]).value_or(glm::mat4(1));
-        const int tile = static_cast<int>(i);
-        block.tiles[i] = {static_cast<float>(tile % columns) / static_cast<float>(columns),
-                          static_cast<float>(tile / columns) / static_cast<float>(rows),
-                          1 / static_cast<float>(columns), 1 / static_cast<float>(rows)};
+        const int row = static_cast<int>(i) / columns;
+        block.tiles[i] = {static_cast<float>(static_cast<int>(i) % columns) / static_cast<float>(columns),
+                          static_cast<float>(row) / static_cast<float>(rows), 1 / static_cast<float>(columns),
+                          1 / static_cast<float>(rows)};
         if (i < 4)
             block.distances[static_cast<int>(i)] = views[i].viewDistance;
     }
@@ -249,7 +249,15 @@ glm::mat3 shadowBasis(const Light& light) {
     return glm::mat3(lookAt(glm::vec3(0), light.direction, {0, 1, 0}));
 }
 
-ShadowViews fitShadowViews(const Light& light, const ShadowExtent& extent, const ShadowMapParams& params) {
+int cascadesFor(const ViewDepths& depths) {
+    int cascades = 1;
+    for (double ratio = depths.farthest / depths.nearest; ratio > 4 && cascades < 4; ratio /= 4)
+        ++cascades;
+    return cascades;
+}
+
+ShadowViews fitShadowViews(const Light& light, const ShadowExtent& extent, const ShadowMapParams& params,
+                           const ViewDepths& depths) {
     ShadowViews none{kindFor(light), {}};
     if (!isUsable(extent.casters) || (light.kind != Light::Kind::point && !normalize(light.direction)))
         return none;
@@ -260,8 +268,23 @@ ShadowViews fitShadowViews(const Light& light, const ShadowExtent& extent, const
         const bool meet = wanted.min.x <= wanted.max.x && wanted.min.y <= wanted.max.y;
         if (!meet || !std::isfinite(glm::length(casters.max - casters.min)))
             return none;
-        none.views.push_back(
-            {boxView(shadowBasis(light), wanted, casters), std::numeric_limits<float>::infinity()});
+        const glm::mat3 basis = shadowBasis(light);
+        if (params.cascades == 1) {
+            none.views.push_back({boxView(basis, wanted, casters), std::numeric_limits<float>::infinity()});
+            return none;
+        }
+        const glm::dmat3 lightFromWorld = glm::transpose(glm::dmat3(basis));
+        double from = depths.nearest;
+        for (const double to : splitDistances(depths.nearest, depths.farthest, params.cascades)) {
+            Box slice;
+            for (const glm::dvec3& corner : sliceCorners(depths.camera, depths.aspect, from, to))
+                slice.add(lightFromWorld * corner);
+            slice.min = glm::clamp(slice.min, wanted.min, wanted.max);
+            slice.max = glm::clamp(slice.max, wanted.min, wanted.max);
+            none.views.push_back({boxView(basis, slice, casters), static_cast<float>(to)});
+            from = to;
+        }
+        none.views.back().viewDistance = std::numeric_limits<float>::infinity();
         return none;
     }
     const bool open = light.kind != Light::Kind::spot || light.outerConeRadians > 0;

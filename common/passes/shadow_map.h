@@ -64,13 +64,29 @@ struct ShadowExtent {
     glm::dvec3 receiversMin{0}, receiversMax{0};
 };
 
+/// What the eye sees, for cutting it into slices: how far along its view the nearest and the farthest thing
+/// is.
+struct ViewDepths {
+    Camera camera = {};  ///< in the world of the extent
+    float aspect = 1;
+    double nearest = 1;   ///< > 0
+    double farthest = 1;  ///< ≥ nearest, finite
+};
+
+/// How many slices such a view is worth: one more for each factor of 4 between the nearest and the farthest,
+/// 4 at most. A pixel covers 4 times as much there, so that the same texels would be 4 times as fine as
+/// needed.
+int cascadesFor(const ViewDepths& depths);
+
 /// A directional light's frame as the columns of a rotation: it looks along −z, with the world's up for its
 /// own, so that what is long and level lies along the map.
 glm::mat3 shadowBasis(const Light& light);
 
 /// The views of a light over the part of the world where casters and receivers may meet: one box for a
-/// directional light, as small as both allow. No views where there is nothing to see, or nothing finite.
-ShadowViews fitShadowViews(const Light& light, const ShadowExtent& extent, const ShadowMapParams& params);
+/// directional light, as small as both allow, or with several cascades one for each slice of the view. No
+/// views where there is nothing to see, or nothing finite.
+ShadowViews fitShadowViews(const Light& light, const ShadowExtent& extent, const ShadowMapParams& params,
+                           const ViewDepths& depths = {});
 
 /// What shaders/lib/shadow_taps.glsl needs of a view.
 glm::mat4 shadowFromClip();

@@ -160,6 +160,7 @@ void slab(MeshBuilder& builder, std::vector<glm::vec2> outline, float top, float
     if (area < 0)
         std::reverse(outline.begin(), outline.end());
     std::vector<glm::vec3> corners;
+    corners.reserve(outline.size());
     for (const glm::vec2 p : outline)
         corners.emplace_back(p.x, top, p.y);
     std::vector<std::uint32_t> triangles(3 * (corners.size() - 2));
@@ -629,6 +630,8 @@ void buildRows(Site& site, const Finishes& finishes) {
     }};
     std::vector<HouseKind> tall;
     std::vector<HouseKind> low;
+    tall.reserve(townhouses.size());
+    low.reserve(cottages.size());
     for (const HousePlan& plan : townhouses)
         tall.push_back(buildHouse(site, plan));
     for (const HousePlan& plan : cottages)

@@ -463,11 +463,11 @@ std::vector<Measurement> measureHomogenization() {
             {"points (w > 0)", static_cast<double>(kinds[0]), "", atLeast(1000)},
             {"points behind the eye (w < 0), named so", static_cast<double>(kinds[1]), "", atLeast(1000)},
             {"directions (w = 0, or p / w beyond float), named so", static_cast<double>(kinds[2]), "",
-             atLeast(count / 10)},
+             atLeast(0.1 * count)},
             {"worst error of p / w", error, "ulp", atMost(0.5)},
             {"worst error of p · (1 / w)", naiveError, "ulp", {}},
             {"results that are infinite or not numbers", static_cast<double>(notFinite), "", equals(0)},
-            {"the same of p · (1 / w)", static_cast<double>(naiveNotFinite), "", atLeast(count / 10)},
+            {"the same of p · (1 / w)", static_cast<double>(naiveNotFinite), "", atLeast(0.1 * count)},
             {"direction of w = 0 against the limit of w → 0",
              glm::length(glm::dvec3(limit) - glm::dvec3(nearLimit)), "", atMost(1.1e-7)}};
 }

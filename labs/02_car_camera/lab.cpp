@@ -187,7 +187,7 @@ graph::Resource CarCameraLab::build(graph::FrameGraph& graph, const Frame& frame
     TownPass::Params params{.view = forwardView(camera, aspect), .shadows = shadows, .over = {}};
     if (axes)
         params.over = [this, worldFromCar, params, targets, &graph](graph::PassContext& context) {
-            const graph::ResourceDescription size = graph.resource(targets.color);
+            const graph::ResourceDescription& size = graph.resource(targets.color);
             if (!lines_)
                 lines_.emplace();
             lines_->clear();

@@ -169,6 +169,7 @@ template <typename Invert>
 double nanoseconds(const Invert& invert) {
     StressInputs draw(365);
     std::vector<glm::mat4> in;
+    in.reserve(1024);
     for (int i = 0; i < 1024; ++i)
         in.push_back(anyPose(draw));
     std::vector<glm::mat4> out(in.size());

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "image/filter.h"
+#include "passes/fullscreen.h"
 #include "scene/colonnade.h"
 #include "scene/import.h"
 
@@ -21,8 +22,7 @@ constexpr int mostAtlasTexels = 16384;  // along a side, as today's drivers hold
 
 void showMap(graph::PassContext& context, const gl::Texture2D& map, const Frame& frame, bool evenDepths) {
     constexpr int unit = 1;
-    const gl::Program& program = context.programs().get(
-        {.label = "depth view", .vertex = "passes/fullscreen.vert", .fragment = "passes/depth_view.frag"});
+    const gl::Program& program = context.programs().get(fullscreenProgram("depth_view"));
     program.use();
     program.set("depthMap", unit);
     program.set("targetPixels", glm::vec2(frame.width, frame.height));
@@ -141,24 +141,24 @@ graph::Resource ShadowMapLab::build(graph::FrameGraph& graph, const Frame& frame
     counters_ = {{"triangles", triangles},
                  {"map triangles", triangles * views.views.size()},
                  {"map texels", static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y)}};
-    graph.addPass({.name = showsMap ? "show the map" : "shade",
-                   .reads = {map},
-                   .writes = {targets.color, targets.depth},
-                   .execute = [this, frame, views, params, light, targets, map, showsMap,
-                               aspect](graph::PassContext& context) {
-                       if (showsMap)
-                           return showMap(context, context.texture(map), frame,
-                                          views.kind == ShadowViews::Kind::cascades);
-                       glClear(GL_DEPTH_BUFFER_BIT);
-                       shadowMap_.drawShadowed(context, *scene_, forwardView(frame.camera, aspect),
-                                               {.map = context.texture(map),
-                                                .views = views,
-                                                .params = params,
-                                                .camera = frame.camera,
-                                                .lightIndex = 0,
-                                                .lightPosition = light.position},
-                                               view.as<View>() == View::mask);
-                   }});
+    graph.addPass(
+        {.name = showsMap ? "show the map" : "shade",
+         .reads = {map},
+         .writes = {targets.color, targets.depth},
+         .execute = [this, frame, views, params, light, map, showsMap, aspect](graph::PassContext& context) {
+             if (showsMap)
+                 return showMap(context, context.texture(map), frame,
+                                views.kind == ShadowViews::Kind::cascades);
+             glClear(GL_DEPTH_BUFFER_BIT);
+             shadowMap_.drawShadowed(context, *scene_, forwardView(frame.camera, aspect),
+                                     {.map = context.texture(map),
+                                      .views = views,
+                                      .params = params,
+                                      .camera = frame.camera,
+                                      .lightIndex = 0,
+                                      .lightPosition = light.position},
+                                     view.as<View>() == View::mask);
+         }});
     addResolvePass(graph, targets);
     return targets.picture;
 }

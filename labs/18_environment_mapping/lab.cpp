@@ -10,6 +10,7 @@
 #include "gl/upload.h"
 #include "image/filter.h"
 #include "image/io.h"
+#include "passes/fullscreen.h"
 
 namespace quincunx {
 namespace {
@@ -143,9 +144,7 @@ void EnvironmentMappingLab::drawPicture(graph::PassContext& context, const Frame
     lookup.seamless = seamless;
     map_.bind(lookup);
     if (view.as<View>() == View::faces) {
-        gl::ProgramFiles files{.label = "faces",
-                               .vertex = "passes/fullscreen.vert",
-                               .fragment = "labs/18_environment_mapping/faces.frag"};
+        gl::ProgramFiles files = fullscreenProgram("faces", "labs/18_environment_mapping/faces.frag");
         EnvironmentMap::addBindings(files);
         const gl::Program& program = context.programs().get(files);
         program.set("targetPixels", glm::vec2(frame.width, frame.height));
@@ -185,11 +184,9 @@ void EnvironmentMappingLab::showTraced(graph::PassContext& context, const Frame&
     constexpr int drawnUnit = 2;
     tracedTexture_.bind(tracedUnit);
     (drawn != nullptr ? *drawn : tracedTexture_).bind(drawnUnit);
-    const gl::Program& program =
-        context.programs().get({.label = "traced",
-                                .vertex = "passes/fullscreen.vert",
-                                .fragment = "labs/18_environment_mapping/traced.frag",
-                                .samplers = {{"traced", tracedUnit}, {"drawn", drawnUnit}}});
+    gl::ProgramFiles files = fullscreenProgram("traced", "labs/18_environment_mapping/traced.frag");
+    files.samplers = {{"traced", tracedUnit}, {"drawn", drawnUnit}};
+    const gl::Program& program = context.programs().get(files);
     program.set("showError", drawn != nullptr ? 1 : 0);
     program.use();
     context.drawFullscreen();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "passes/fullscreen.h"
 #include "passes/targets.h"
 #include "scene/import.h"
 #include "scene/spaceship.h"
@@ -52,10 +53,8 @@ void PostProcessingLab::drawScene(graph::PassContext& context, const Frame& fram
                            .fragment = "labs/20_post_processing/fancy.frag",
                            .defines = {{"BLINN_PHONG", ""}},
                            .blocks = SceneBuffers::bindings()};
-    gl::ProgramFiles space{.label = "space",
-                           .vertex = "passes/fullscreen.vert",
-                           .fragment = "labs/20_post_processing/space.frag",
-                           .blocks = SceneBuffers::bindings()};
+    gl::ProgramFiles space = fullscreenProgram("space", "labs/20_post_processing/space.frag");
+    space.blocks = SceneBuffers::bindings();
     const auto setFilm = [&](const gl::ProgramFiles& program) {
         const gl::Program& built = context.programs().get(program);
         built.set("greyscale", greyscale);

@@ -8,6 +8,7 @@
 
 #include "gl/upload.h"
 #include "math/transform.h"
+#include "passes/fullscreen.h"
 #include "scene/import.h"
 
 namespace quincunx {
@@ -166,9 +167,8 @@ void IntersectionsLab::draw(graph::PassContext& context, const Frame& frame) {
         gl::upload(*texture_, shown[i].left, 0, casts_[i].color);
     uploaded_ = true;
 
-    const gl::Program& program = context.programs().get({.label = "show cast",
-                                                         .vertex = "passes/fullscreen.vert",
-                                                         .fragment = "labs/22_intersections/show.frag"});
+    const gl::Program& program =
+        context.programs().get(fullscreenProgram("show cast", "labs/22_intersections/show.frag"));
     program.use();
     program.set("rays", unit);
     texture_->bind(unit);

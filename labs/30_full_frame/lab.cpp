@@ -194,12 +194,7 @@ graph::Resource FullFrameLab::addPlanPass(graph::FrameGraph& graph, const Frame&
          .writes = {written},
          .execute = [this, picture, plan = renderer_.plan(),
                      size = glm::vec2(frame.width, frame.height)](graph::PassContext& context) {
-             const gl::Program& copy = context.programs().get(fullscreenProgram("copy"));
-             constexpr int unit = 1;
-             copy.use();
-             copy.set("picture", unit);
-             context.texture(picture).bind(unit);
-             context.drawFullscreen();
+             drawPicture(context, picture);
              labels_.clear();
              const float line = std::clamp(size.y / 40, 8.0f, 20.0f);
              const auto rows = static_cast<float>(plan.effects.size() + 1);

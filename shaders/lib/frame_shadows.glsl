@@ -18,6 +18,8 @@ layout(std140) uniform FrameShadowBlock {
     vec4 frameShadowTiles[maxFrameShadowViews];
     ivec4 frameShadowLights[maxLights];  // x: first view; y: views, 0 for a light that casts nothing
     vec4 frameShadowTexels[maxLights];   // x: width of a texel in the light's views
+    vec4 frameShadowDistances[maxLights];  // directional: how far along the eye's view each of its views serves
+    vec4 frameShadowEyeForward;            // dot with (position, 1): how far along the eye's view a point is
     ivec4 frameShadowMode;               // x: radius of taps
 };
 
@@ -37,7 +39,14 @@ float frameLitShare(int light, vec3 positionWorld, vec3 normal) {
     if (views.y == 0)
         return 1.0;
     vec3 planeNormal = triangleNormal(positionWorld, normal);
-    int view = views.x + (views.y == 6 ? cubeFace(positionWorld - lights[light].position.xyz) : 0);
+    int view = views.x;
+    if (views.y == 6) {
+        view += cubeFace(positionWorld - lights[light].position.xyz);
+    } else if (views.y > 1) {
+        float distance = dot(frameShadowEyeForward, vec4(positionWorld, 1.0));
+        for (int i = 0; i < views.y - 1 && distance > frameShadowDistances[light][i]; ++i)
+            ++view;
+    }
     ShadowTile tile =
         ShadowTile(frameShadowFromWorld[view], frameWorldFromShadow[view], frameShadowTiles[view]);
     vec3 bias = vec3(0.0, 1.0, frameShadowTexels[light].x);

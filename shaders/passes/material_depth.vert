@@ -3,36 +3,12 @@
 // What a light sees of instances: positions for the depth, texture coordinates for what is cut out.
 
 #include "lib/instances.glsl"
+#include "lib/material_vertex.glsl"
 
 uniform mat4 depthClipFromAnchored;
 
-layout(location = 0) in vec3 positionModel;
-layout(location = 2) in vec2 texcoordIn;
-layout(location = 4) in vec2 texcoord1In;
-layout(location = 6) in vec4 colorIn;
-
-out vec3 positionWorld;
-out vec3 normalWorld;
-#ifdef TEXTURED
-out vec2 texcoord;
-#endif
-#ifdef SECOND_TEXCOORDS
-out vec2 texcoord1;
-#endif
-#ifdef VERTEX_COLORS
-out vec4 vertexColor;
-#endif
-
 void main() {
-#ifdef TEXTURED
-    texcoord = texcoordIn;
-#endif
-#ifdef SECOND_TEXCOORDS
-    texcoord1 = texcoord1In;
-#endif
-#ifdef VERTEX_COLORS
-    vertexColor = colorIn;
-#endif
+    passAttributesOn();
     positionWorld = vec3(0.0);
     normalWorld = vec3(0.0);
     gl_Position = depthClipFromAnchored * (instances[gl_InstanceID].worldFromModel * vec4(positionModel, 1.0));

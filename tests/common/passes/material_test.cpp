@@ -1044,7 +1044,7 @@ TEST_P(Materials, DepthAloneIsThatOfThePicture) {
                            glClearDepth(1);
                            glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
                            if (alone)
-                               pass.drawDepth(context, scene, clip, vec3(0), all, backFaces);
+                               pass.drawDepth(context, scene, clip, vec3(0), all, {.backFaces = backFaces});
                            else
                                pass.draw(context, scene, view);
                        }});

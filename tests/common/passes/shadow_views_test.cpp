@@ -1,4 +1,4 @@
-// The views that shadow maps are drawn from. Copy to tests/common/passes/ and add it to the SOURCES there.
+// The views that shadow maps are drawn from.
 #include <cmath>
 #include <limits>
 #include <numbers>
