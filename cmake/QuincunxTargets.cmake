@@ -65,10 +65,11 @@ endfunction()
 add_library(quincunx_test_flags INTERFACE)
 target_compile_options(quincunx_test_flags INTERFACE $<$<CONFIG:Release>:-O1>)
 
-# quincunx_test(<name> SOURCES ... [LIBRARIES ...] [TIMEOUT seconds])
-# A GoogleTest program; each TEST becomes a CTest test of its own.
+# quincunx_test(<name> SOURCES ... [LIBRARIES ...] [TIMEOUT seconds] [TOGETHER])
+# A GoogleTest program; each TEST becomes a CTest test of its own, in a process of its own. TOGETHER: all are one,
+# for programs whose start takes longer than their tests; its output names the TEST that failed.
 function(quincunx_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "TOGETHER" "TIMEOUT" "SOURCES;LIBRARIES" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -80,8 +81,13 @@ function(quincunx_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   quincunx_precompile(${name})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
-  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${ARG_TIMEOUT}
-    # LeakSanitizer of g++ 12 may crash on the thread-local storage of libraries that were just loaded.
-    ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/lsan.supp:print_suppressions=0:intercept_tls_get_addr=0")
+  # LeakSanitizer of g++ 12 may crash on the thread-local storage of libraries that were just loaded.
+  set(properties TIMEOUT ${ARG_TIMEOUT}
+      ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/lsan.supp:print_suppressions=0:intercept_tls_get_addr=0")
+  if(ARG_TOGETHER)
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES ${properties})
+  else()
+    gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
+  endif()
 endfunction()

@@ -65,7 +65,7 @@ TEST_F(ProgramJson, OfAskHoldsQuestionAnswerAndMeasurements) {
 }
 
 TEST_F(ProgramJson, OfSweepHoldsPointsWithErrorTimeAndFront) {
-    const json sweeps = answer({"sweep", "shading", "--sweep", "tessellation", "--backend", "osmesa"});
+    const json sweeps = answer(drawingSmall({"sweep", "shading", "--sweep", "tessellation"}));
     ASSERT_TRUE(sweeps.is_array());
     ASSERT_FALSE(sweeps.empty());
     for (const json& sweep : sweeps) {
