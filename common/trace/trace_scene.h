@@ -28,7 +28,7 @@ struct TracedSolid {
 struct SurfacePoint {
     double t = 0;                ///< in lengths of the ray's direction
     glm::vec3 position{0};       ///< on the surface
-    glm::vec3 positionError{0};  ///< each component is off by this much at most
+    glm::vec3 positionError{0};  ///< a box of this half size about the position holds a surface point
     glm::vec3 geometricNormal{0, 1,
                               0};  ///< of the triangle's plane or the solid, unit length, out of its front
     glm::vec3 shadingNormal{0, 1, 0};  ///< interpolated and normal-mapped, unit length, same side
@@ -42,9 +42,24 @@ struct SurfacePoint {
     bool front = true;           ///< the ray comes from the front
 };
 
-/// A scene made ready for rays: what is used once is flattened into one set of triangles, meshes that are
-/// used several times have a structure each, and instances of it; solids stay what they are. Cut-outs
-/// (Material::AlphaMode::mask) let rays through where they have no surface. Read by any number of threads.
+/// A material where a surface point lies, textures and vertex colours multiplied in. Linear; every number is
+/// finite and none is below 0, whatever the scene holds.
+struct SurfaceValues {
+    glm::vec4 baseColor{1};  ///< alpha within [0, 1]
+    float metallic = 0;
+    float roughness = 0.5f;
+    float transmission = 0;
+    float ior = 1.5f;
+    float occlusion = 1;    ///< share of ambient light that arrives
+    glm::vec3 emission{0};  ///< of the side that emits, W/(m² sr)
+};
+
+/// A scene made ready for rays: meshes that are used once, or that are small, are flattened into one set of
+/// triangles; of those that are used several times there is one structure, and instances of it; solids stay
+/// what they are. Cut-outs (Material::AlphaMode::mask) let rays through where they have no surface; where
+/// two of them lie within an ulp of t on one another, the second may be passed too. Surfaces that blend
+/// count as whole. What is not finite is left out: triangles as intersectTriangle says, instances whose
+/// placement is not. Read by any number of threads.
 class TraceScene {
   public:
     explicit TraceScene(Scene scene, std::vector<TracedSolid> solids = {},
@@ -56,6 +71,10 @@ class TraceScene {
     TraceScene& operator=(TraceScene&&) noexcept;
 
     const Scene& scene() const;
+    const std::vector<TracedSolid>& solids() const;
+    Bounds bounds() const;  ///< of all surfaces, world space
+
+    SurfaceValues valuesAt(const SurfacePoint& point) const;
 
     std::optional<SurfacePoint> nearest(const Ray& ray, RayInterval interval = {},
                                         TraversalCounts* counts = nullptr) const;
@@ -73,6 +92,15 @@ class TraceScene {
     struct Parts;
     std::unique_ptr<Parts> parts_;
 };
+
+/// The nearest surface that OpenGL would draw: triangles whose material is not double-sided are passed where
+/// the ray comes from behind them. Solids count from both sides.
+std::optional<SurfacePoint> nearestDrawn(const TraceScene& scene, const Ray& ray, RayInterval interval = {});
+
+/// The scene with everything moved by a vector, computed in double: what is far from the world's origin is
+/// moved there, so that rays, which are floats, keep their digits.
+Scene movedBy(Scene scene, glm::dvec3 by);
+Camera movedBy(Camera camera, glm::dvec3 by);
 
 /// The ray through a point of the picture, (0, 0) its top left corner and (width, height) the bottom right
 /// one, and through a point of the lens, in the unit disk; origin at the eye, direction of unit length.
