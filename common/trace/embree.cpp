@@ -4,6 +4,8 @@
 
 #if defined(QUINCUNX_HAS_EMBREE)
 
+#include <algorithm>
+
 #include <dlfcn.h>
 #include <embree3/rtcore.h>
 
@@ -18,7 +20,6 @@ namespace {
 /// The library, loaded at the first use, so that the program starts without it.
 struct Library {
     decltype(&rtcNewDevice) newDevice = nullptr;
-    decltype(&rtcReleaseDevice) releaseDevice = nullptr;
     decltype(&rtcNewScene) newScene = nullptr;
     decltype(&rtcReleaseScene) releaseScene = nullptr;
     decltype(&rtcSetSceneFlags) setSceneFlags = nullptr;
@@ -35,6 +36,9 @@ struct Library {
     decltype(&rtcIntersect1) intersect1 = nullptr;
     decltype(&rtcOccluded1) occluded1 = nullptr;
     bool complete = false;
+
+    /// One for the whole program, since each has threads of its own.
+    RTCDevice device = nullptr;
 
     static const Library& get() {
         static const Library library = load();
@@ -53,7 +57,6 @@ struct Library {
             complete = complete && function != nullptr;
         };
         find(library.newDevice, "rtcNewDevice");
-        find(library.releaseDevice, "rtcReleaseDevice");
         find(library.newScene, "rtcNewScene");
         find(library.releaseScene, "rtcReleaseScene");
         find(library.setSceneFlags, "rtcSetSceneFlags");
@@ -69,7 +72,9 @@ struct Library {
         find(library.attachGeometry, "rtcAttachGeometry");
         find(library.intersect1, "rtcIntersect1");
         find(library.occluded1, "rtcOccluded1");
-        library.complete = complete;
+        if (complete)
+            library.device = library.newDevice(nullptr);
+        library.complete = library.device != nullptr;
         return library;
     }
 };
@@ -80,12 +85,11 @@ class Embree : public Accelerator {
         : library_(Library::get()), triangles_(triangles), items_(detail::itemsOf(triangles)) {
         for (const detail::BvhItem& item : items_)
             box_.extend(Bounds{item.min, item.max});
-        device_ = library_.newDevice(nullptr);
-        if (!device_)
-            throw EnvironmentError("Embree cannot be started", {}, "choose another structure");
-        scene_ = library_.newScene(device_);
+        const glm::vec3 size = box_.max - box_.min;
+        longest_ = items_.empty() ? 0 : std::max({size.x, size.y, size.z});
+        scene_ = library_.newScene(library_.device);
         library_.setSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-        const RTCGeometry geometry = library_.newGeometry(device_, RTC_GEOMETRY_TYPE_USER);
+        const RTCGeometry geometry = library_.newGeometry(library_.device, RTC_GEOMETRY_TYPE_USER);
         library_.setPrimitiveCount(geometry, static_cast<unsigned>(items_.size()));
         library_.setUserData(geometry, this);
         library_.setBounds(geometry, bounds, nullptr);
@@ -96,10 +100,7 @@ class Embree : public Accelerator {
         library_.releaseGeometry(geometry);
         library_.commitScene(scene_);
     }
-    ~Embree() override {
-        library_.releaseScene(scene_);
-        library_.releaseDevice(device_);
-    }
+    ~Embree() override { library_.releaseScene(scene_); }
     Embree(const Embree&) = delete;
     Embree& operator=(const Embree&) = delete;
 
@@ -110,7 +111,7 @@ class Embree : public Accelerator {
         query.nearest = &nearest;
         if (!isUsable(ray) || !(interval.tMin <= interval.tMax)) {
             // nothing to be found
-        } else if (query.filter) {
+        } else if (query.filter && suits(ray)) {
             RTCRayHit rayHit{};
             rayHit.ray = rayOf(ray, interval);
             rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -131,7 +132,7 @@ class Embree : public Accelerator {
         query.any = &any;
         if (!isUsable(ray) || !(interval.tMin <= interval.tMax)) {
             // nothing to be found
-        } else if (query.filter) {
+        } else if (query.filter && suits(ray)) {
             RTCRay embreeRay = rayOf(ray, interval);
             library_.occluded1(scene_, &query.context, &embreeRay);
         } else {
@@ -167,6 +168,15 @@ class Embree : public Accelerator {
         std::uint64_t tests = 0;
     };
 
+    /// See the header.
+    bool suits(const Ray& ray) const {
+        const glm::vec3 d = glm::abs(ray.direction);
+        const float along = std::max({d.x, d.y, d.z});
+        const glm::vec3 away = glm::max(glm::abs(box_.min - ray.origin), glm::abs(box_.max - ray.origin));
+        return along >= 0x1p-10f && along <= 0x1p30f &&
+               std::max({away.x, away.y, away.z}) <= 0x1p12f * longest_;
+    }
+
     static RTCRay rayOf(const Ray& ray, RayInterval interval) {
         RTCRay result{};
         result.org_x = ray.origin.x;
@@ -184,7 +194,8 @@ class Embree : public Accelerator {
     static void bounds(const RTCBoundsFunctionArguments* arguments) {
         const auto& self = *static_cast<const Embree*>(arguments->geometryUserPtr);
         const detail::BvhItem& item = self.items_[arguments->primID];
-        const glm::vec3 room = 0x1p-20f * glm::max(glm::abs(item.min), glm::abs(item.max)) + 0x1p-100f;
+        const glm::vec3 room =
+            0x1p-20f * glm::max(glm::abs(item.min), glm::abs(item.max)) + 0x1p-24f * self.longest_;
         const glm::vec3 low = item.min - room;
         const glm::vec3 high = item.max + room;
         *arguments->bounds_o = {low.x, low.y, low.z, 0, high.x, high.y, high.z, 0};
@@ -229,7 +240,7 @@ class Embree : public Accelerator {
     TriangleView triangles_;
     detail::HugeVector<detail::BvhItem> items_;
     Bounds box_;
-    RTCDevice device_ = nullptr;
+    float longest_ = 0;  ///< of its sides
     RTCScene scene_ = nullptr;
 };
 

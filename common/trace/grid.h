@@ -46,6 +46,9 @@ class Grid : public Accelerator {
 
     /// Cells along each axis.
     glm::ivec3 resolution() const { return resolution_; }
+    /// The corner of cell (0, 0, 0), and the size of each.
+    glm::dvec3 origin() const { return origin_; }
+    glm::dvec3 cellSize() const { return cellSize_; }
     /// The cells that the ray passes, in order, for pictures and tests.
     std::vector<glm::ivec3> cellsAlong(const Ray& ray) const;
 

@@ -109,7 +109,9 @@ class Collapse {
 }  // namespace
 }  // namespace detail
 
-WideBvh::WideBvh(TriangleView triangles) : kernels_(&detail::wideKernels()) {
+WideBvh::WideBvh(TriangleView triangles) : WideBvh(triangles, detail::wideKernels()) {}
+
+WideBvh::WideBvh(TriangleView triangles, const detail::WideKernels& kernels) : kernels_(&kernels) {
     detail::HugeVector<detail::BvhItem> items = detail::itemsOf(triangles);
     if (items.empty())
         return;

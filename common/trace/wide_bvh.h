@@ -77,6 +77,8 @@ struct WideKernels {
 class WideBvh : public Accelerator {
   public:
     explicit WideBvh(TriangleView triangles);
+    /// With the traversals for the vector units that are named; these must be there.
+    WideBvh(TriangleView triangles, const detail::WideKernels& kernels);
 
     std::optional<AcceleratorHit> nearest(const Ray& ray, RayInterval interval = {},
                                           TraversalCounts* counts = nullptr) const override;
