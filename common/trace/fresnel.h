@@ -20,6 +20,16 @@ struct BoundaryShare {
     double cosTransmitted = 0;  ///< > 0, of the refracted ray and the normal; 0 where all is mirrored
 };
 
+/// The mean of the squares of both amplitudes below, as one quotient. e = eta² − 1.
+inline double mirroredShare(double cosine, double eta2, double e, double g) {
+    const double sum2 = (cosine + g) * (cosine + g);
+    const double product = eta2 * cosine + g;
+    const double product2 = product * product;
+    const double along = (cosine * cosine * (eta2 + 1) - 1) * sum2;
+    const double quotient = e / (sum2 * product2);
+    return 0.5 * (quotient * quotient) * (product2 * product2 + along * along);
+}
+
 /// In double, for scattering models that go on with the figures; cosine in [0, 1].
 ///
 /// With g = eta cosTransmitted, g² = eta² − 1 + cosine², Fresnel's two amplitudes are
@@ -33,11 +43,7 @@ inline BoundaryShare shareAtBoundary(double cosine, double eta) {
     if (!(g2 > 0))
         return e == 0 ? BoundaryShare{0, cosine} : BoundaryShare{};
     const double g = std::sqrt(g2);
-    const double sum = cosine + g;
-    const double product = eta * eta * cosine + g;
-    const double across = e / (sum * sum);
-    const double along = e * (cosine * cosine * (eta * eta + 1) - 1) / (product * product);
-    return {std::min(0.5 * (across * across + along * along), 1.0), g / eta};
+    return {std::min(mirroredShare(cosine, eta * eta, e, g), 1.0), g / eta};
 }
 
 /// The share mirrored by a boundary of two dielectrics, to 0.5 ulp + 2^-20, in [0, 1] always. 1 exactly where
