@@ -12,6 +12,8 @@
 /// at most 1. `eta` is the index of refraction of the far side over that of the ray's side, > 0, so below 1
 /// where the ray leaves glass. All is computed in double and rounded once. The forms `...Naive` are for
 /// `stress` alone.
+/// What that costs against them (bench_scattering, whole arrays): fresnelDielectric 1.4, refract 1.8,
+/// fresnelConductor 1.9 times.
 namespace quincunx {
 
 /// What a boundary does with a ray.
