@@ -71,6 +71,12 @@ vec3 mirroredBy(const dvec3& h, vec3 wo) {
     return vec3(2 * glm::dot(o, h) * h - o);
 }
 
+/// cosine^exponent of an angle up to 90° (0 there, for exponent 0 too) by the square of its sine, which is
+/// right where the cosine is near 1.
+double cosinePower(double sine2, double exponent) {
+    return sine2 < 1 ? std::exp(0.5 * exponent * std::log1p(-sine2)) : 0;
+}
+
 /// 1 − cosine of a direction that is drawn with a density of cosine^exponent.
 float versineOfPower(float exponent, float u) {
     return static_cast<float>(-std::expm1(std::log1p(-static_cast<double>(u)) / (exponent + 1.0)));
@@ -101,7 +107,14 @@ double shareOf(double first, double second) {
 Scattering scattering(const PhongBsdf& bsdf, vec3 wo, vec3 wi) {
     if (!bothAbove(wo, wi))
         return {};
-    const double lobe = cosinePower(mirrored(wo), wi, bsdf.exponent) * (0.5 * invPi);
+    const dvec3 mirror(mirrored(wo));
+    const dvec3 light(wi);
+    double lobe = 0;
+    if (glm::dot(mirror, light) > 0) {
+        const dvec3 across = glm::cross(mirror, light);
+        const double lengths2 = glm::dot(mirror, mirror) * glm::dot(light, light);
+        lobe = cosinePower(glm::dot(across, across) / lengths2, bsdf.exponent) * (0.5 * invPi);
+    }
     const double p = shareOf(largest(bsdf.specular), largest(bsdf.diffuse));
     return {dvec3(bsdf.diffuse) * invPi + dvec3(bsdf.specular) * (lobe * (bsdf.exponent + 2.0)),
             p * lobe * (bsdf.exponent + 1.0) + (1 - p) * wi.z * invPi};
@@ -116,8 +129,9 @@ Scattering scattering(const BlinnPhongBsdf& bsdf, vec3 wo, vec3 wi) {
     if (!bothAbove(wo, wi))
         return {};
     const dvec3 sum = dvec3(wo) + dvec3(wi);
-    const double facing = 0.5 * std::sqrt(glm::dot(sum, sum));
-    const double lobe = cosinePower(vec3(0, 0, 1), vec3(sum), bsdf.exponent);
+    const double squared = glm::dot(sum, sum);
+    const double facing = 0.5 * std::sqrt(squared);
+    const double lobe = cosinePower((sum.x * sum.x + sum.y * sum.y) / squared, bsdf.exponent);
     const double p = shareOf(largest(bsdf.specular), largest(bsdf.diffuse));
     return {dvec3(bsdf.diffuse) * invPi + dvec3(bsdf.specular) * (lobe * blinnFactor(bsdf.exponent)),
             p * lobe * (bsdf.exponent + 1.0) * (0.125 * invPi) / facing + (1 - p) * wi.z * invPi};
@@ -311,6 +325,15 @@ std::optional<BsdfSample> draw(const Dielectric& bsdf, vec3 wo, float choice, ve
 
 vec3 evaluate(const Bsdf& bsdf, vec3 wo, vec3 wi) {
     return std::visit([&](const auto& model) { return finite(scattering(model, wo, wi).value); }, bsdf);
+}
+
+BsdfValue evaluateWithDensity(const Bsdf& bsdf, vec3 wo, vec3 wi) {
+    return std::visit(
+        [&](const auto& model) {
+            const Scattering s = scattering(model, wo, wi);
+            return BsdfValue{finite(s.value), finite(s.density)};
+        },
+        bsdf);
 }
 
 float density(const Bsdf& bsdf, vec3 wo, vec3 wi) {

@@ -90,6 +90,12 @@ using Bsdf = std::variant<Lambert, PhongBsdf, BlinnPhongBsdf, GgxConductor, Meta
 glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 wo, glm::vec3 wi);
 /// The density of `sample` at wi, in 1/sr; 0 for delta directions.
 float density(const Bsdf& bsdf, glm::vec3 wo, glm::vec3 wi);
+/// Both at the cost of one.
+struct BsdfValue {
+    glm::vec3 value{0};
+    float density = 0;
+};
+BsdfValue evaluateWithDensity(const Bsdf& bsdf, glm::vec3 wo, glm::vec3 wi);
 /// Draws wi by three uniform numbers in [0, 1): `choice` for the lobe. Nothing where all light is absorbed.
 std::optional<BsdfSample> sample(const Bsdf& bsdf, glm::vec3 wo, float choice, glm::vec2 uv);
 /// Whether every direction it sends light to is a delta one.

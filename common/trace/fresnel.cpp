@@ -28,14 +28,8 @@ float fresnelDielectric(float cosine, float eta) {
         return 0;
     if (!(g2 > 0))
         return 1;
-    const double g = std::sqrt(g2);
-    const double eta2 = static_cast<double>(eta) * eta;
-    const double c2 = static_cast<double>(c) * c;
-    const double sum = c + g;
-    const double product = eta2 * c + g;
-    const double across = e / (sum * sum);
-    const double along = e * (c2 * (eta2 + 1) - 1) / (product * product);
-    return std::min(static_cast<float>(0.5 * (across * across + along * along)), 1.0f);
+    const double share = mirroredShare(c, static_cast<double>(eta) * eta, e, std::sqrt(g2));
+    return std::min(static_cast<float>(share), 1.0f);
 }
 
 float fresnelDielectricNaive(float cosine, float eta) {
@@ -60,19 +54,20 @@ float fresnelConductor(float cosine, float eta, float k) {
     const double b2 = k2 + x;
     // a b = eta k; where b is 0 there is no loss, and a² is eta² − s².
     const double a = b2 > 0 ? std::sqrt(eta2 * k2 / b2) : std::sqrt(std::max(0.0, eta2 - s2));
-    const double sum = a + c;
-    // a² − c² = eta² − 1 + x.
-    const double difference =
-        sum > 0 ? ((static_cast<double>(eta) - 1) * (static_cast<double>(eta) + 1) + x) / sum : 0;
-    const double below = sum * sum + b2;
-    if (!(below > 0))
-        return eta == 1 ? 0.0f : 1.0f;
-    const double across = (difference * difference + b2) / below;
+    // a² − c² = eta² − 1 + x, so that the square of a − c is that of this over a + c.
+    const double sum2 = (a + c) * (a + c);
+    const double difference = (static_cast<double>(eta) - 1) * (static_cast<double>(eta) + 1) + x;
     const double low = a * c - s2;
     const double high = a * c + s2;
     const double bc2 = b2 * c * c;
-    const double ratio = high * high + bc2 > 0 ? (low * low + bc2) / (high * high + bc2) : 1;
-    return std::min(static_cast<float>(0.5 * across * (1 + ratio)), 1.0f);
+    const double across = difference * difference + b2 * sum2;
+    const double acrossBelow = sum2 * (sum2 + b2);
+    const double along = low * low + bc2;
+    const double alongBelow = high * high + bc2;
+    const double below = acrossBelow * alongBelow;
+    if (!(below > 0))
+        return eta == 1 && k == 0 ? 0.0f : 1.0f;
+    return std::min(static_cast<float>(0.5 * across * (along + alongBelow) / below), 1.0f);
 }
 
 float fresnelConductorNaive(float cosine, float eta, float k) {

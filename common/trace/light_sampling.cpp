@@ -28,26 +28,21 @@ float spotShare(glm::vec3 wi, glm::vec3 lightDirection, float innerConeRadians, 
     const double lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
     if (!(lengths > 0))
         return 0;
-    const double cosine = -glm::dot(a, b) / lengths;
-    double versine = 1 - cosine;
-    if (cosine > 0) {
-        const glm::dvec3 across = glm::cross(a, b) / lengths;
-        versine = glm::dot(across, across) / (1 + cosine);
+    // (1 − cosine) / 2 of the direction and of the cones; of those it is the square of the sine of half the
+    // angle.
+    const double along = -glm::dot(a, b);
+    double off = 0.5 * (1 - along / lengths);
+    if (along > 0) {
+        const glm::dvec3 across = glm::cross(a, b);
+        off = 0.5 * glm::dot(across, across) / (lengths * (lengths + along));
     }
-    const double outer = outerConeRadians;
-    const double inner = std::min(static_cast<double>(innerConeRadians), outer);
-    const auto versineOf = [](double angle) {
-        const double sine = std::sin(0.5 * angle);
-        return 2 * sine * sine;
-    };
-    if (versine <= versineOf(inner))
-        return 1;
-    const double beyond = versineOf(outer) - versine;
-    if (beyond <= 0)
+    const double outer = std::sin(0.5 * outerConeRadians);
+    if (off > outer * outer)
         return 0;
-    // cos inner − cos outer as a product.
-    const double width = 2 * std::sin(0.5 * (outer + inner)) * std::sin(0.5 * (outer - inner));
-    const double share = std::min(beyond / width, 1.0);
+    const double inner = std::min(std::sin(0.5 * innerConeRadians), outer);
+    if (off <= inner * inner)
+        return 1;
+    const double share = (outer * outer - off) / ((outer - inner) * (outer + inner));
     return static_cast<float>(share * share * (3 - 2 * share));
 }
 

@@ -4,7 +4,8 @@
 
 #include <glm/glm.hpp>
 
-/// How much of a small light's strength arrives. The forms `...Naive` are for `stress` alone.
+/// How much of a small light's strength arrives. The forms `...Naive` are for `stress` alone; against them
+/// (bench_scattering, whole arrays) arriveFromPoint costs 1.1 times and spotShare 2.2 times.
 namespace quincunx {
 
 /// The unit vector towards a light and 1 / max(distance², radius²). Where the light is exactly here it has no

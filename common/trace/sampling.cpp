@@ -70,10 +70,10 @@ dvec3 aboutZ(double versine, double turns) {
     return {sine * onCircle(turns), 1 - versine};
 }
 
-/// Of a cone that holds a sphere.
+/// Of a cone that holds a sphere: s² / (1 + √(1 − s²)), s = radius / distance, as one quotient.
 double versineOfSphere(double distance, double radius) {
-    const double sine = radius / distance;
-    return sine * sine / (1 + std::sqrt((1 - sine) * (1 + sine)));
+    const double tangent = std::sqrt((distance - radius) * (distance + radius));
+    return radius * radius / (distance * (distance + tangent));
 }
 
 /// The corners of a triangle as unit vectors, and what its solid angle's half has as opposite and adjacent

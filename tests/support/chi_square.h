@@ -19,8 +19,8 @@ struct ChiSquareOutcome {
     double pValue = 1;  ///< how often a right sampler deviates this much or more
 };
 
-/// Pearson's test of counts against expected counts, both for the same cells, the last of which may be "nothing
-/// drawn". Cells are pooled, in order of what is expected, until at least five are expected in each.
+/// Pearson's test of counts against expected counts, both for the same cells, the last of which may be
+/// "nothing drawn". Cells are pooled, in order of what is expected, until at least five are expected in each.
 ChiSquareOutcome chiSquareTest(std::span<const double> observed, std::span<const double> expected);
 
 /// Mean and variance of a stream of numbers (Welford, Technometrics 4(3), 1962).

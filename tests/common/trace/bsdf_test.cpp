@@ -434,6 +434,8 @@ TEST(Bsdf, GivesSamplesTheirDensityAndValue) {
                 continue;
             ASSERT_FALSE(s->delta);
             const double likely = density(bsdf, wo, s->wi);
+            EXPECT_EQ(evaluateWithDensity(bsdf, wo, s->wi).value, evaluate(bsdf, wo, s->wi)) << name;
+            EXPECT_EQ(evaluateWithDensity(bsdf, wo, s->wi).density, density(bsdf, wo, s->wi)) << name;
             EXPECT_NEAR(s->density, likely, 3e-7 * likely) << name;
             const double share =
                 evaluate(bsdf, wo, s->wi).x * std::abs(static_cast<double>(s->wi.z)) / likely;
