@@ -57,11 +57,10 @@ struct Worker {
 
 class Tracer {
   public:
-    Tracer(const WhittedScene& scene, const WhittedSettings& settings) : scene_(scene), settings_(settings) {
-        for (std::size_t i = 0; i < patternSets; ++i)
-            patterns_.push_back(samplePattern(settings.pattern, static_cast<std::size_t>(settings.shadowRays),
-                                              settings.seed * patternSets + i));
-    }
+    Tracer(const WhittedScene& scene, const WhittedSettings& settings)
+        : scene_(scene),
+          settings_(settings),
+          patterns_(lightSets(settings.pattern, settings.shadowRays, settings.seed)) {}
 
     /// The colour that comes along a ray: that of the nearest surface, or the sky's.
     glm::vec3 trace(const Ray& ray, const Path& path, Worker& worker) const {
@@ -269,7 +268,8 @@ Image renderWhitted(const WhittedScene& scene, const Camera& camera, int width, 
                 glm::vec3 sum(0);
                 for (std::uint32_t sample = 0; sample < side * side; ++sample) {
                     worker.sampler = PathSampler(pixel, sample, settings.seed);
-                    worker.set = static_cast<std::uint32_t>(worker.sampler.next() * 64);
+                    worker.set =
+                        static_cast<std::uint32_t>(worker.sampler.next() * static_cast<float>(patternSets));
                     const glm::vec2 within(static_cast<float>(sample % side) + 0.5f,
                                            static_cast<float>(sample / side) + 0.5f);
                     const Ray ray =
@@ -291,12 +291,18 @@ Image renderWhitted(const WhittedScene& scene, const Camera& camera, int width, 
     return image;
 }
 
-double visibleShare(const WhittedScene& scene, std::size_t light, glm::vec3 point, SamplePattern pattern,
-                    int samples, std::uint64_t seed) {
+std::vector<std::vector<glm::vec2>> lightSets(SamplePattern pattern, int shadowRays, std::uint64_t seed) {
+    std::vector<std::vector<glm::vec2>> sets;
+    for (std::size_t i = 0; i < patternSets; ++i)
+        sets.push_back(samplePattern(pattern, static_cast<std::size_t>(shadowRays), seed * patternSets + i));
+    return sets;
+}
+
+double visibleShare(const WhittedScene& scene, std::size_t light, glm::vec3 point,
+                    std::span<const glm::vec2> places) {
     CsgScratch scratch;
     const AreaLight& from = scene.contents().lights[light];
     std::size_t reached = 0;
-    const std::vector<glm::vec2> places = samplePattern(pattern, static_cast<std::size_t>(samples), seed);
     for (const glm::vec2& place : places)
         reached += scene.findBlocker({point, from.at(place) - point}, {0, 1}, scratch, nullptr).kind ==
                    Blocker::Kind::none;

@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -61,8 +63,11 @@ Image renderWhitted(const WhittedScene& scene, const Camera& camera, int width, 
                     const WhittedSettings& settings, WhittedCounts* counts = nullptr,
                     const std::atomic<bool>* stop = nullptr);
 
-/// The share of a light that a point sees, by `samples` shadow rays of a pattern; the point lies on nothing.
-double visibleShare(const WhittedScene& scene, std::size_t light, glm::vec3 point, SamplePattern pattern,
-                    int samples, std::uint64_t seed);
+/// The 64 sets of places on a light that pixels choose from.
+std::vector<std::vector<glm::vec2>> lightSets(SamplePattern pattern, int shadowRays, std::uint64_t seed);
+
+/// The share of a light that a point sees, by a shadow ray to each of the places; the point lies on nothing.
+double visibleShare(const WhittedScene& scene, std::size_t light, glm::vec3 point,
+                    std::span<const glm::vec2> places);
 
 }  // namespace quincunx

@@ -21,7 +21,12 @@ glm::vec3 errorOf(glm::dvec3 point, double size) {
 
 }  // namespace
 
-WhittedScene::WhittedScene(WhittedContents contents, Structure structure) : contents_(std::move(contents)) {
+WhittedScene::WhittedScene(WhittedContents contents, Structure structure)
+    : WhittedScene(std::move(contents),
+                   [structure](TriangleView triangles) { return makeAccelerator(structure, triangles); }) {}
+
+WhittedScene::WhittedScene(WhittedContents contents, const MakeAccelerator& make)
+    : contents_(std::move(contents)) {
     const auto check = [&](std::uint32_t material) {
         if (material >= contents_.materials.size())
             throw InputError(fmt::format("there is no material {}", material), "a scene", "add it");
@@ -42,6 +47,8 @@ WhittedScene::WhittedScene(WhittedContents contents, Structure structure) : cont
     std::size_t glasses = 0;
     for (const WhittedContents::Solid& solid : contents_.solids) {
         solids_.emplace_back(solid.shape);
+        const Bounds bounds = solids_.back().bounds();
+        boxes_.push_back({glm::dvec3(bounds.min), glm::dvec3(bounds.max)});
         const std::vector<std::uint32_t> used = solids_.back().materials();
         std::size_t ofGlass = 0;
         for (const std::uint32_t material : used)
@@ -53,7 +60,24 @@ WhittedScene::WhittedScene(WhittedContents contents, Structure structure) : cont
     }
     if (glasses > 255)
         throw InputError(fmt::format("{} solids are of glass", glasses), "a scene", "use at most 255");
-    accelerator_ = makeAccelerator(structure, triangleView());
+    accelerator_ = make(triangleView());
+}
+
+/// Slabs, never wrongly denied: quotients are off by 3 · 2^-53 of themselves, and an axis along which the ray
+/// stands still is left to the solid.
+bool WhittedScene::SolidBox::mayBeMet(const Ray& ray, double tMax) const {
+    double enter = 0;
+    double exit = tMax;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (ray.direction[axis] == 0)
+            continue;
+        const double inverse = 1.0 / ray.direction[axis];
+        const double a = (min[axis] - ray.origin[axis]) * inverse;
+        const double b = (max[axis] - ray.origin[axis]) * inverse;
+        enter = std::max(enter, std::min(a, b));
+        exit = std::min(exit, std::max(a, b));
+    }
+    return enter * (1 - 0x1p-49) <= exit * (1 + 0x1p-49);
 }
 
 std::optional<WhittedHit> WhittedScene::nearest(const Ray& ray, CsgScratch& scratch,
@@ -85,8 +109,10 @@ std::optional<WhittedHit> WhittedScene::nearest(const Ray& ray, CsgScratch& scra
         if (const auto unit = normalize(smooth); unit && glm::dot(*unit, hit.normal) > 0)
             hit.shading = *unit;
     }
-    for (const CsgSolid& solid : solids_)
-        if (const auto found = solid.nearest(ray, {}, scratch); found && found->t < hit.t) {
+    for (std::size_t i = 0; i < solids_.size(); ++i) {
+        if (!boxes_[i].mayBeMet(ray, hit.t))
+            continue;
+        if (const auto found = solids_[i].nearest(ray, {}, scratch); found && found->t < hit.t) {
             hit.t = found->t;
             hit.point = found->point;
             hit.pointError = found->pointError;
@@ -94,6 +120,7 @@ std::optional<WhittedHit> WhittedScene::nearest(const Ray& ray, CsgScratch& scra
             hit.front = found->front;
             hit.material = found->material;
         }
+    }
     for (std::size_t i = 0; i < contents_.lights.size(); ++i) {
         const AreaLight& light = contents_.lights[i];
         const std::array<glm::vec3, 4> corners{light.at({0, 0}), light.at({1, 0}), light.at({1, 1}),
@@ -114,7 +141,8 @@ Blocker WhittedScene::findBlocker(const Ray& ray, RayInterval interval, CsgScrat
     if (const auto hit = accelerator_->nearest(ray, interval, counts))
         return {Blocker::Kind::triangle, hit->triangle};
     for (std::size_t i = 0; i < solids_.size(); ++i)
-        if (!isGlass_[i] && solids_[i].occluded(ray, interval, scratch))
+        if (!isGlass_[i] && boxes_[i].mayBeMet(ray, static_cast<double>(interval.tMax)) &&
+            solids_[i].occluded(ray, interval, scratch))
             return {Blocker::Kind::solid, static_cast<std::uint32_t>(i)};
     return {};
 }
@@ -135,7 +163,7 @@ glm::vec3 WhittedScene::throughGlass(const Ray& ray, CsgScratch& scratch) const 
     glm::vec3 left(1);
     const double length = glm::length(glm::dvec3(ray.direction));
     for (std::size_t i = 0; i < solids_.size(); ++i) {
-        if (!isGlass_[i])
+        if (!isGlass_[i] || !boxes_[i].mayBeMet(ray, 1))
             continue;
         const std::span<const CsgCrossing> crossings = solids_[i].crossings(ray, scratch);
         for (std::size_t k = 0; k < crossings.size(); k += 2) {

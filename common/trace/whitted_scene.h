@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -75,6 +76,8 @@ class WhittedScene {
     /// InputError where a material's index is out of range, where glass is open, or where more than 255
     /// solids are of glass.
     explicit WhittedScene(WhittedContents contents, Structure structure = Structure::wideBvh);
+    using MakeAccelerator = std::function<std::unique_ptr<Accelerator>(TriangleView)>;
+    WhittedScene(WhittedContents contents, const MakeAccelerator& make);
 
     const WhittedContents& contents() const { return contents_; }
     const Accelerator& triangles() const { return *accelerator_; }
@@ -95,6 +98,12 @@ class WhittedScene {
     glm::vec3 sky(glm::vec3 direction) const;
 
   private:
+    /// A ray that passes a solid's box by far need not walk it.
+    struct SolidBox {
+        glm::dvec3 min{0};
+        glm::dvec3 max{0};
+        bool mayBeMet(const Ray& ray, double tMax) const;
+    };
     Triangle triangle(std::uint32_t index) const { return triangleView()[index]; }
 
     WhittedContents contents_;
@@ -104,7 +113,8 @@ class WhittedScene {
     std::vector<std::uint32_t> materialOfTriangle_;
     std::unique_ptr<Accelerator> accelerator_;
     std::vector<CsgSolid> solids_;
-    std::vector<bool> isGlass_;  ///< by solid
+    std::vector<SolidBox> boxes_;  ///< by solid
+    std::vector<bool> isGlass_;    ///< by solid
 };
 
 /// Where a ray starts that leaves a surface to the side of `direction`: the point moved along the normal by

@@ -10,6 +10,7 @@
 #include "math/quad_oracle.h"
 #include "math/stress_inputs.h"
 #include "math/vector.h"
+#include "trace/scattering_hard_cases.h"
 
 namespace quincunx {
 namespace {
@@ -273,7 +274,7 @@ HardCaseFigures runAcne(std::uint64_t inputs, std::uint64_t seed) {
 }  // namespace
 
 std::vector<HardCase> RayTracingLab::hardCases() {
-    return {
+    std::vector<HardCase> cases{
         {"CsgSolid::crossings", "boxes that share faces, of 2^-20 to 2^20", "stated errors of t", 1,
          "Roth 1982; Requicha 1980; ties by expansions (Shewchuk 1997)", runSharedFaces},
         {"CsgSolid::crossings of balls", "rays that pass at 1 ± 2^-26 … 2^-8 radii", "stated errors of t", 1,
@@ -283,6 +284,10 @@ std::vector<HardCase> RayTracingLab::hardCases() {
         {"leaveSurface of balls", "lamps that graze balls up to 2^18 radii from the origin",
          "rays wrongly shadowed", 0, "Pharr, Jakob, Humphreys, PBRT 3.9", runAcne},
     };
+    // What is mirrored and refracted, total reflection included.
+    const std::span<const HardCase> boundaries = boundaryHardCases();
+    cases.insert(cases.end(), boundaries.begin(), boundaries.end());
+    return cases;
 }
 
 }  // namespace quincunx

@@ -6,11 +6,14 @@
 #include "gl/program.h"
 #include "gl/upload.h"
 #include "scene/import.h"
+#include "trace/grid.h"
 
 namespace quincunx {
 namespace {
 
 constexpr int coarsest = 8;
+constexpr double restSeconds = 0.25;
+constexpr double longestStepSeconds = 0.05;
 
 Camera fitted(const Frame& frame) {
     return fittedToAspect(frame.camera, static_cast<float>(frame.width) / static_cast<float>(frame.height));
@@ -52,11 +55,17 @@ WhittedSettings RayTracingLab::settings() const {
 
 std::shared_ptr<const WhittedScene> RayTracingLab::scene() const {
     std::vector<double> state{static_cast<double>(sculpture.index()), lampSize,
-                              static_cast<double>(structure.index())};
+                              static_cast<double>(structure.index()), static_cast<double>(mailboxes.index())};
     if (!scene_ || state != sceneState_) {
-        scene_ =
-            std::make_shared<const WhittedScene>(makeTerrace(sculpture.as<Sculpture>(), lampSize),
-                                                 structures()[static_cast<std::size_t>(structure.index())]);
+        const Structure chosen = structures()[static_cast<std::size_t>(structure.index())];
+        scene_ = std::make_shared<const WhittedScene>(
+            makeTerrace(sculpture.as<Sculpture>(), lampSize),
+            [&](TriangleView triangles) -> std::unique_ptr<Accelerator> {
+                if (chosen == Structure::grid)
+                    return std::make_unique<Grid>(triangles,
+                                                  GridParams{.mailboxes = mailboxes.as<Mailboxes>()});
+                return makeAccelerator(chosen, triangles);
+            });
         sceneState_ = std::move(state);
     }
     return scene_;
@@ -70,14 +79,17 @@ std::vector<double> RayTracingLab::stateOf(const Frame& frame) const {
             state.push_back(frame.camera.worldFromCamera[column][row]);
     state.insert(state.end(), {static_cast<double>(end.index()), static_cast<double>(maxDepth), minWeight,
                                static_cast<double>(shadowRays), static_cast<double>(pattern.index()),
-                               lampSize, shadowCache ? 1.0 : 0.0, static_cast<double>(structure.index()),
-                               static_cast<double>(sculpture.index()), static_cast<double>(supersample)});
+                               lampSize, static_cast<double>(mailboxes.index()), shadowCache ? 1.0 : 0.0,
+                               static_cast<double>(structure.index()), static_cast<double>(sculpture.index()),
+                               static_cast<double>(supersample)});
     return state;
 }
 
-bool RayTracingLab::advance(double /*seconds*/, const HeldSeconds& /*held*/) {
+bool RayTracingLab::advance(double seconds, const HeldSeconds& /*held*/) {
     live_ = true;
-    if (step_ == 1)
+    // However long the last picture took, a hand needs a moment between two turns of a knob.
+    restedSeconds_ += std::min(seconds, longestStepSeconds);
+    if (step_ == 1 || (step_ == 2 && restedSeconds_ < restSeconds))
         return false;
     step_ /= 2;
     return true;
@@ -85,9 +97,10 @@ bool RayTracingLab::advance(double /*seconds*/, const HeldSeconds& /*held*/) {
 
 void RayTracingLab::traceFrame(const Frame& frame) {
     std::vector<double> state = stateOf(frame);
-    if (state != state_)
+    if (state != state_) {
         step_ = live_ ? coarsest : 1;
-    else if (traced_ == step_)
+        restedSeconds_ = 0;
+    } else if (traced_ == step_)
         return;
     state_.clear();
     WhittedSettings with = settings();
@@ -134,6 +147,9 @@ void RayTracingLab::draw(graph::PassContext& context, const Frame& frame) {
 void RayTracingLab::markIdleKnobs() {
     const bool byDepth = end.as<RecursionEnd>() == RecursionEnd::depth;
     maxDepth.setIdle(byDepth ? "" : "the tree ends by weight");
+    mailboxes.setIdle(structures()[static_cast<std::size_t>(structure.index())] == Structure::grid
+                          ? ""
+                          : "only the grid has a triangle in several places");
     minWeight.setIdle(byDepth ? "the tree ends by depth" : "");
 }
 

@@ -58,6 +58,11 @@ class RayTracingLab final : public Lab {
                          "Tries the last thing that stood before the lamp first"};
     ChoiceKnob structure{knobs(), "structure", structureNames(), defaultStructure(),
                          "Where rays look for triangles: same picture, other times"};
+    ChoiceKnob mailboxes{knobs(),
+                         "mailboxes",
+                         {"none", "of-ray", "of-thread"},
+                         1,
+                         "How a ray in the grid is kept from testing a triangle again"};
     ChoiceKnob sculpture{knobs(),
                          "sculpture",
                          {"difference", "union", "intersection"},
@@ -78,9 +83,10 @@ class RayTracingLab final : public Lab {
     void draw(graph::PassContext& context, const Frame& frame);
 
     std::vector<double> state_;
-    bool live_ = false;  ///< a window asks for frames
-    int step_ = 1;       ///< pixels a side that share a ray; 1: the picture itself
-    int traced_ = 0;     ///< the step of what was traced last
+    bool live_ = false;         ///< a window asks for frames
+    double restedSeconds_ = 0;  ///< since something changed
+    int step_ = 1;              ///< pixels a side that share a ray; 1: the picture itself
+    int traced_ = 0;            ///< the step of what was traced last
     Image picture_;
     WhittedCounts counts_;
     bool uploaded_ = false;

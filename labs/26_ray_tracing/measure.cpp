@@ -1,7 +1,6 @@
 #include "labs/26_ray_tracing/measure.h"
 
 #include <algorithm>
-#include <memory>
 
 #include "trace/trace_scene.h"
 
@@ -47,37 +46,6 @@ std::vector<Ray> raysOfPicture(const WhittedScene& scene, const Camera& camera, 
             rays.push_back({leaveSurface(hit->point, hit->pointError, hit->normal, way), way});
         }
     return rays;
-}
-
-MailingFigures walkGrid(const MailboxGrid& grid, const std::vector<Ray>& rays, Mailing mailing, int threads) {
-    MailingFigures figures;
-    std::vector<Mailboxes> boxes(static_cast<std::size_t>(mailing == Mailing::perThread ? threads : 1),
-                                 grid.mailboxes());
-    const auto boxesOf = [&](std::size_t thread) -> Mailboxes* {
-        return mailing == Mailing::none ? nullptr : &boxes[thread % boxes.size()];
-    };
-    const auto count = static_cast<std::size_t>(threads);
-    for (std::size_t first = 0; first < rays.size(); first += count) {
-        std::vector<std::unique_ptr<MailboxGrid::Walk>> walks;
-        for (std::size_t k = 0; k < std::min(count, rays.size() - first); ++k)
-            walks.push_back(std::make_unique<MailboxGrid::Walk>(grid, rays[first + k], boxesOf(k)));
-        for (bool some = true; some;) {
-            some = false;
-            for (const auto& walk : walks)
-                some = walk->step() || some;
-        }
-        for (std::size_t k = 0; k < walks.size(); ++k) {
-            figures.tests += walks[k]->counts().triangles;
-            if (mailing == Mailing::none)
-                continue;
-            TraversalCounts counts;
-            const auto exact = grid.nearest(rays[first + k], nullptr, counts);
-            const auto& got = walks[k]->hit();
-            figures.wrongHits += exact.has_value() != got.has_value() ||
-                                 (exact && (exact->t != got->t || exact->triangle != got->triangle));
-        }
-    }
-    return figures;
 }
 
 }  // namespace quincunx

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "labs/26_ray_tracing/lab.h"
-#include "labs/26_ray_tracing/mailbox_grid.h"
 
 namespace quincunx {
 
@@ -18,15 +17,5 @@ double meanLuminance(const Image& image);
 
 /// Rays through the pixels of a picture and, from what they meet, towards the lamp: what a grid is asked.
 std::vector<Ray> raysOfPicture(const WhittedScene& scene, const Camera& camera, int width, int height);
-
-/// How mailboxes are kept while a grid is walked.
-enum class Mailing { none, perThread, shared };
-struct MailingFigures {
-    std::uint64_t tests = 0;      ///< rays against triangles
-    std::uint64_t wrongHits = 0;  ///< against those without mailboxes
-};
-/// As `threads` threads would walk, a cell each in turn, so that the figures repeat; `shared`: all write to
-/// the same boxes.
-MailingFigures walkGrid(const MailboxGrid& grid, const std::vector<Ray>& rays, Mailing mailing, int threads);
 
 }  // namespace quincunx

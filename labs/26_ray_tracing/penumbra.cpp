@@ -72,13 +72,12 @@ double exactVisibleShare(const AreaLight& lamp, const std::array<glm::vec3, 4>& 
     return 1 - 0.5 * std::abs(twice);
 }
 
-double penumbraError(const PenumbraBench& bench, SamplePattern pattern, int samples, std::uint64_t seed) {
+double penumbraError(const PenumbraBench& bench, const std::vector<std::vector<glm::vec2>>& sets) {
     double sum = 0;
     for (std::size_t i = 0; i < bench.points.size(); ++i) {
         throwIfInterrupted();
-        const double error =
-            visibleShare(bench.scene, 0, bench.points[i], pattern, samples, seed * 4096 + i) -
-            exactVisibleShare(bench.lamp, bench.board, bench.points[i]);
+        const double error = visibleShare(bench.scene, 0, bench.points[i], sets[i % sets.size()]) -
+                             exactVisibleShare(bench.lamp, bench.board, bench.points[i]);
         sum += error * error;
     }
     return std::sqrt(sum / static_cast<double>(bench.points.size()));

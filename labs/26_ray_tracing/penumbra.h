@@ -24,8 +24,8 @@ struct PenumbraBench {
 /// onto the lamp and clipped by it (Sutherland and Hodgman 1974), in double, to some 1e-13.
 double exactVisibleShare(const AreaLight& lamp, const std::array<glm::vec3, 4>& board, glm::vec3 point);
 
-/// RMSE of `visibleShare` over the points, each with a set of its own.
-double penumbraError(const PenumbraBench& bench, SamplePattern pattern, int samples, std::uint64_t seed = 1);
+/// RMSE of `visibleShare` over the points, which take the sets in turn.
+double penumbraError(const PenumbraBench& bench, const std::vector<std::vector<glm::vec2>>& sets);
 
 /// The slope of log error against log count, by least squares.
 double slopeOf(const std::vector<double>& counts, const std::vector<double>& errors);

