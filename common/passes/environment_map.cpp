@@ -137,9 +137,9 @@ void EnvironmentMap::addBindings(gl::ProgramFiles& files) {
     if (files.blocks.empty())
         files.blocks = SceneBuffers::bindings();
     files.blocks.push_back({"EnvironmentBlock", blockBinding});
-    files.samplers.push_back({"environmentMap", radianceUnit});
-    files.samplers.push_back({"environmentIrradianceMap", irradianceUnit});
-    files.samplers.push_back({"environmentBrdfTable", brdfUnit});
+    files.samplers.insert(files.samplers.end(), {{"environmentMap", radianceUnit},
+                                                 {"environmentIrradianceMap", irradianceUnit},
+                                                 {"environmentBrdfTable", brdfUnit}});
 }
 
 void EnvironmentMap::prepare(const EnvironmentParams& wanted) {

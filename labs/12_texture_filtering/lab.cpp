@@ -178,8 +178,8 @@ Image8 TextureFilteringLab::makeBase(const Recipe& recipe) const {
             model.shadows = true;
             const Camera camera =
                 fittedToAspect(scene.camera, static_cast<float>(side) / static_cast<float>(height));
-            stillLife_ = toSrgb8(
-                boxDownsample(traceReference(scene, camera, factor * side, factor * height, model), factor));
+            stillLife_ = toSrgb8(boxDownsample(
+                traceReference(TraceScene(scene), camera, factor * side, factor * height, model), factor));
         }
         return stillLife_;
     }
