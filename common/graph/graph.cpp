@@ -193,7 +193,7 @@ std::string listNames(const FrameGraph& graph, const std::vector<Resource>& reso
 }
 
 /// `text` as a quoted Graphviz identifier.
-std::string quoted(std::string_view text) {
+std::string inQuotes(std::string_view text) {
     std::string result = "\"";
     for (const char c : text) {
         if (c == '"' || c == '\\')
@@ -366,12 +366,12 @@ std::string FrameGraph::graphviz() const {
     for (std::size_t r = 0; r < resources_.size(); ++r) {
         const ResourceDescription& resource = resources_[r];
         text += fmt::format("  r{} [shape=ellipse, label={}{}];\n", r,
-                            quoted(fmt::format("{}\n{} {}×{}", resource.name, formatName(resource.format),
-                                               resource.width, resource.height)),
+                            inQuotes(fmt::format("{}\n{} {}×{}", resource.name, formatName(resource.format),
+                                                 resource.width, resource.height)),
                             isOutput_[r] ? ", peripheries=2" : "");
     }
     for (std::size_t p = 0; p < passes_.size(); ++p) {
-        text += fmt::format("  p{} [shape=box, label={}{}];\n", p, quoted(passes_[p].name),
+        text += fmt::format("  p{} [shape=box, label={}{}];\n", p, inQuotes(passes_[p].name),
                             needed[p] ? "" : ", style=dashed");
         for (const Resource resource : passes_[p].reads)
             text += fmt::format("  r{} -> p{};\n", resource.index, p);
