@@ -52,11 +52,11 @@ HardCaseFigures leaveFloor(std::uint64_t inputs, std::uint64_t seed, glm::vec3 o
     Tally tally;
     while (tally.figures().inputs < inputs) {
         const glm::vec3 above =
-            offset + scale * glm::vec3(random.uniform(-0.4, 0.2), 0.5f * gap, random.uniform(0, 0.5));
+            offset + scale * glm::vec3(random.uniform(-0.4, 0), 0.5f * gap, random.uniform(0.2, 0.5));
         const auto point = scene.nearest({above, {0.01f, -1, 0.02f}});
         if (!point || point->instance != 0)
             continue;
-        const glm::vec3 up = normalizeOr(point->geometricNormal + 0.5f * randomDirection(random), {0, 1, 0});
+        const glm::vec3 up = normalizeOr(point->geometricNormal + 0.15f * randomDirection(random), {0, 1, 0});
         const auto failure = [&](const Ray& ray) {
             const auto met = scene.nearest(ray);
             return met && met->instance == 1 ? 0 : std::numeric_limits<double>::infinity();

@@ -151,6 +151,28 @@ float notBelow(double value) {
     return rounded >= value ? rounded : std::nextafter(rounded, std::numeric_limits<float>::infinity());
 }
 
+/// The nearest t ≥ 0, from outside or inside. The centre is projected onto the ray, so that what is compared
+/// with the radius does not cancel, and the roots come from c / (b + √), as b² and c do not (Haines, Günther,
+/// Akenine-Möller, Ray Tracing Gems, ch. 7). In double: rays that pass the surface at less than 2^-49 of
+/// |origin − centre| + radius may be decided either way. Origins that `movedOff` made lie 2^-25 of their
+/// distance from it and more, so those do not meet what they left.
+std::optional<double> meetBall(const dvec3& origin, const dvec3& direction, const DBall& ball) {
+    const dvec3 towards = ball.centre - origin;
+    const double squared = glm::dot(direction, direction);
+    const double b = glm::dot(towards, direction);
+    const double c = glm::dot(towards, towards) - ball.radius * ball.radius;
+    if (c > 0 && !(b > 0))
+        return {};
+    const dvec3 off = towards - (b / squared) * direction;
+    const double rest = ball.radius * ball.radius - glm::dot(off, off);
+    if (!(rest >= 0))
+        return {};
+    const double root = std::sqrt(rest * squared);
+    if (c > 0)
+        return c / (b + root);
+    return b >= 0 ? (b + root) / squared : -c / (root - b);
+}
+
 /// Any unit vector orthogonal to a unit vector.
 glm::vec3 orthogonalTo(glm::vec3 n) {
     const float sign = std::copysign(1.0f, n.z);
@@ -419,7 +441,7 @@ std::optional<Hit> TraceScene::Parts::meetSolid(const SolidFrame& one, const Ray
     if (one.ball) {
         const dvec3 direction(ray.direction);
         const dvec3 start = dvec3(ray.origin) + from * direction;
-        const std::optional<double> t = raySphereDistance(DRay{start, direction}, *one.ball);
+        const std::optional<double> t = meetBall(start, direction, *one.ball);
         if (!t || from + *t > interval.tMax)
             return {};
         Hit hit;
@@ -614,6 +636,10 @@ SurfacePoint TraceScene::Parts::onSolid(const Ray& ray, const Found& found) cons
     point.shadingNormal = point.geometricNormal;
     point.tangent = orthogonalTo(point.shadingNormal);
     point.front = glm::dot(normal, dvec3(ray.direction)) < 0;
+    const Material& material = scene.materials[point.material];
+    if (!material.baseColorTexture && !material.metallicRoughnessTexture && !material.emissionTexture &&
+        !material.occlusionTexture)
+        return point;
     const double turn = std::atan2(inModel.x, inModel.z) / (2 * std::numbers::pi);
     const double level = std::hypot(inModel.x, inModel.z);
     point.texcoord = {
