@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <vector>
 
-#include <tbb/blocked_range2d.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
@@ -26,16 +24,16 @@ struct Path {
     int depth = 0;
     float weight = 1;  ///< the largest share of a channel that it has in its pixel
     /// The glass that it is in, outermost first.
-    std::array<std::uint8_t, 8> media{};
+    std::array<std::uint32_t, 8> media{};
     int mediaCount = 0;
 
-    bool enter(std::uint8_t material) {
+    bool enter(std::uint32_t material) {
         if (mediaCount == static_cast<int>(media.size()))
             return false;
         media[static_cast<std::size_t>(mediaCount++)] = material;
         return true;
     }
-    void leave(std::uint8_t material) {
+    void leave(std::uint32_t material) {
         for (int i = mediaCount - 1; i >= 0; --i)
             if (media[static_cast<std::size_t>(i)] == material) {
                 std::copy(media.begin() + i + 1, media.begin() + mediaCount, media.begin() + i);
@@ -95,8 +93,8 @@ class Tracer {
             Path inside = path;
             ++inside.depth;
             if (!hit.front)
-                inside.leave(static_cast<std::uint8_t>(hit.material));
-            else if (!inside.enter(static_cast<std::uint8_t>(hit.material)))
+                inside.leave(hit.material);
+            else if (!inside.enter(hit.material))
                 return glm::vec3(0);
             const float eta = indexOf(inside) / indexOf(path);
             const float share = fresnelDielectric(cosine, eta);
@@ -203,7 +201,7 @@ class Tracer {
     glm::vec3 absorbed(glm::vec3 color, const Path& path, double length) const {
         if (path.mediaCount == 0)
             return color;
-        const std::uint8_t innermost = path.media[static_cast<std::size_t>(path.mediaCount - 1)];
+        const std::uint32_t innermost = path.media[static_cast<std::size_t>(path.mediaCount - 1)];
         return color * glm::exp(-scene_.material(innermost).absorption * static_cast<float>(length));
     }
 

@@ -1,5 +1,7 @@
 #include "trace/whitted_scene.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -44,7 +46,6 @@ WhittedScene::WhittedScene(WhittedContents contents, const MakeAccelerator& make
             indices_.push_back(first + index);
         materialOfTriangle_.resize(indices_.size() / 3, part.material);
     }
-    std::size_t glasses = 0;
     for (const WhittedContents::Solid& solid : contents_.solids) {
         solids_.emplace_back(solid.shape);
         const Bounds bounds = solids_.back().bounds();
@@ -56,10 +57,7 @@ WhittedScene::WhittedScene(WhittedContents contents, const MakeAccelerator& make
         if (ofGlass != 0 && ofGlass != used.size())
             throw InputError("some of its parts are of glass, and some are not", "a solid", "split it");
         isGlass_.push_back(ofGlass != 0);
-        glasses += ofGlass != 0;
     }
-    if (glasses > 255)
-        throw InputError(fmt::format("{} solids are of glass", glasses), "a scene", "use at most 255");
     accelerator_ = make(triangleView());
 }
 

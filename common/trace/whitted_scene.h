@@ -73,8 +73,7 @@ struct WhittedContents {
 /// The same made ready for rays. Read by any number of threads.
 class WhittedScene {
   public:
-    /// InputError where a material's index is out of range, where glass is open, or where more than 255
-    /// solids are of glass.
+    /// InputError where a material's index is out of range, or where triangles are of glass.
     explicit WhittedScene(WhittedContents contents, Structure structure = Structure::wideBvh);
     using MakeAccelerator = std::function<std::unique_ptr<Accelerator>(TriangleView)>;
     WhittedScene(WhittedContents contents, const MakeAccelerator& make);

@@ -1,8 +1,7 @@
 #include <cmath>
+#include <thread>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "base/interrupt.h"
 #include "base/random.h"
@@ -154,17 +153,15 @@ struct GridWalks {
 GridWalks walkAll(const Grid& grid, const std::vector<Ray>& rays, int threads) {
     GridWalks walks{{}, std::vector<std::optional<AcceleratorHit>>(rays.size())};
     std::vector<TraversalCounts> counts(static_cast<std::size_t>(threads));
-    tbb::task_arena arena(threads);
-    arena.execute([&] {
+    {
         // Every thread takes every so-manieth ray: they meet the same triangles at the same time.
-        tbb::parallel_for(
-            std::size_t{0}, counts.size(),
-            [&](std::size_t thread) {
+        std::vector<std::jthread> workers;
+        for (std::size_t thread = 0; thread < counts.size(); ++thread)
+            workers.emplace_back([&, thread] {
                 for (std::size_t i = thread; i < rays.size(); i += counts.size())
                     walks.hits[i] = grid.nearest(rays[i], {}, &counts[thread]);
-            },
-            tbb::simple_partitioner());
-    });
+            });
+    }
     for (const TraversalCounts& count : counts)
         walks.counts += count;
     return walks;
