@@ -78,7 +78,7 @@ void main() {
                                            periodic(position + 1.0 + float(i), mirrored, 2 * side);
             sum += weight * texelAt(i, other);
         }
-        color = sum;
+        color = vec4(sum.rgb, across == 1 ? sum.a : 1.0);
         return;
     }
     int reach = kernel == 2 ? 2 : lobes;
@@ -89,5 +89,6 @@ void main() {
         sum += weight * texelAt(wrapped(nearest + k, side), other);
         total += weight;
     }
-    color = sum / total;
+    sum /= total;
+    color = vec4(sum.rgb, across == 1 ? sum.a : 1.0);
 }
