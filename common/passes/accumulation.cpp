@@ -269,6 +269,7 @@ void Accumulator::foldBlock(graph::PassContext& context, const gl::Texture2D& bl
     program.set("block", pictureUnit);
     program.set("totalMap", totalUnit);
     program.set("carryMap", carryUnit);
+    program.set("zero", 0);
     block.bind(pictureUnit);
     last->colors[0].bind(totalUnit);
     last->colors[1].bind(carryUnit);

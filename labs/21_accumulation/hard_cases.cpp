@@ -59,7 +59,7 @@ float compensatedMean(Frames frames, std::size_t count, std::size_t block) {
         if (i % block == block - 1) {
             const glm::vec4 added = inBlock + carry;
             const glm::vec4 sum = total + added;
-            carry = glsl::lostInSum(total, added, sum);
+            carry = glsl::lostInSum(total, added, sum, 0u);
             total = sum;
         }
     }

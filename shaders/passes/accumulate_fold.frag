@@ -8,6 +8,7 @@
 uniform sampler2D block;
 uniform sampler2D totalMap;
 uniform sampler2D carryMap;
+uniform uint zero;
 
 layout(location = 0) out vec4 total;
 layout(location = 1) out vec4 carry;
@@ -17,5 +18,5 @@ void main() {
     vec4 before = texelFetch(totalMap, pixel, 0);
     vec4 added = texelFetch(block, pixel, 0) + texelFetch(carryMap, pixel, 0);
     total = before + added;
-    carry = lostInSum(before, added, total);
+    carry = lostInSum(before, added, total, zero);
 }

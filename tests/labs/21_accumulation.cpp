@@ -175,7 +175,7 @@ TEST_P(Accumulation21, WhatCrossesTheEyeIsSeenForAsLongAsItIsBeforeIt) {
 TEST(Accumulation21Convergence, RandomHalvesByFourAndEvenSamplesByTwo) {
     AccumulationLab lab;
     Studio studio(gl::Backend::egl);
-    const std::vector<int> passes = {4, 16, 64, 256};
+    const std::vector<int> passes = {4, 16, 64};
     lab.subject.parse("moving-edge");
     // Measured -0.50, -1.0, -1.0 and -1.0; eight seeds scatter by 0.1.
     EXPECT_NEAR(convergenceOf(lab, studio, SamplePattern::random, passes, 8).slope, -0.5, 0.15);
@@ -405,13 +405,13 @@ TEST(Accumulation21Mutations, EveryBrokenShaderIsNoticed) {
 TEST(Accumulation21Mutations, ASumThatForgetsWhatItLostIsNoticed) {
     const auto error = [] {
         Studio studio(gl::Backend::egl);
-        return std::abs(meanOfSameFrames(studio, {.passes = 2000, .blockPasses = 1}, 0.7f) /
+        return std::abs(meanOfSameFrames(studio, {.passes = 1000, .blockPasses = 1}, 0.7f) /
                             static_cast<double>(0.7f) -
                         1);
     };
     EXPECT_LE(error(), 4 * 0x1p-24);
     for (const auto& [file, from, to] :
-         {std::tuple("lib/compensated.glsl", "return (a - aRounded) + (b - bRounded);", "return vec4(0.0);"),
+         {std::tuple("lib/compensated.glsl", "^ uvec4(zero)", ""),
           std::tuple("passes/accumulate_fold.frag", "+ texelFetch(carryMap, pixel, 0);", ";")}) {
         const test::BrokenShaders broken(file, from, to);
         ASSERT_TRUE(broken.found()) << file;
