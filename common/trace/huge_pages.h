@@ -31,8 +31,8 @@ class HugePages {
         const std::size_t alignment = wanted >= hugePage ? hugePage : cacheLine;
         const std::size_t unit = wanted >= hugePage ? page : cacheLine;
         const std::size_t bytes = (wanted + unit - 1) / unit * unit;
-        void* const memory = std::aligned_alloc(alignment, bytes == 0 ? unit : bytes);
-        if (!memory)
+        void* memory = nullptr;
+        if (posix_memalign(&memory, alignment, bytes == 0 ? unit : bytes) != 0)
             throw std::bad_alloc();
 #if defined(__linux__)
         if (wanted >= hugePage)

@@ -370,21 +370,34 @@ constexpr std::size_t packetRays = 8 * packetVectors;
 /// ray packets", 2006). The quotients are off as much as those of a ray.
 class PacketBounds {
   public:
-    /// Nothing where signs differ or a component is 0.
-    QX_INLINE bool set(const Ray* rays, float tMin) {
-        tMin_ = Float8{} + tMin;
+    /// False where signs differ, a component is 0, or float does not suffice (see filterRay); `all` holds all
+    /// triangles.
+    QX_INLINE bool set(const Ray* rays, RayInterval interval, const Bounds& all) {
+        // Four numbers at a time: origin and the direction's x, then the origin's z and direction.
+        static_assert(sizeof(Ray) == 6 * sizeof(float));
+        Float4 lowA = load<Float4>(&rays[0].origin.x);
+        Float4 lowB = load<Float4>(&rays[0].origin.z);
+        Float4 highA = lowA;
+        Float4 highB = lowB;
+        Float4 zero{};
+        for (std::size_t i = 0; i < packetRays; ++i) {
+            const Float4 a = load<Float4>(&rays[i].origin.x);
+            const Float4 b = load<Float4>(&rays[i].origin.z);
+            lowA = smaller(lowA, a);
+            highA = larger(highA, a);
+            lowB = smaller(lowB, b);
+            highB = larger(highB, b);
+            zero += (a - a) + (b - b);
+        }
+        const bool finite = zero[0] == 0 && zero[1] == 0 && zero[2] == 0 && zero[3] == 0;
+        float reach = 0;
+        float size = 0;
         for (int axis = 0; axis < 3; ++axis) {
-            float originLow = rays[0].origin[axis];
-            float originHigh = originLow;
-            float directionLow = rays[0].direction[axis];
-            float directionHigh = directionLow;
-            for (std::size_t i = 1; i < packetRays; ++i) {
-                originLow = smaller(originLow, rays[i].origin[axis]);
-                originHigh = larger(originHigh, rays[i].origin[axis]);
-                directionLow = smaller(directionLow, rays[i].direction[axis]);
-                directionHigh = larger(directionHigh, rays[i].direction[axis]);
-            }
-            if (!(directionLow > 0 || directionHigh < 0))
+            const float originLow = axis == 2 ? lowB[0] : lowA[axis];
+            const float originHigh = axis == 2 ? highB[0] : highA[axis];
+            const float directionLow = lowB[axis + 1];
+            const float directionHigh = highB[axis + 1];
+            if (!(directionLow >= 0x1p-60f || directionHigh <= -0x1p-60f))
                 return false;
             const bool backwards = directionHigh < 0;
             const std::size_t toMin =
@@ -398,8 +411,11 @@ class PacketBounds {
             farOrigin_[axis] = Float8{} + (backwards ? originHigh : originLow);
             inverseA_[axis] = Float8{} + 1 / directionLow;
             inverseB_[axis] = Float8{} + 1 / directionHigh;
+            reach += larger(all.max[axis] - originLow, originHigh - all.min[axis]);
+            size += larger(std::abs(directionLow), std::abs(directionHigh));
         }
-        return true;
+        tMin_ = Float8{} + interval.tMin;
+        return finite && interval.tMin >= 0 && reach < 0x1p38f && size < 0x1p38f;
     }
 
     /// A bit for each child that any ray may meet up to tMax.
@@ -432,19 +448,24 @@ class PacketBounds {
 QX_KERNEL_TARGET bool nearestOfPacket(const WideTree& tree, const Ray* rays, RayInterval interval,
                                       std::optional<AcceleratorHit>* hits, TraversalCounts* counts) {
     PacketBounds bounds;
-    if (!bounds.set(rays, interval.tMin))
+    if (!bounds.set(rays, interval, tree.box))
         return false;
-    // Of each ray: origin, direction and the scales of the filter.
-    alignas(32) std::array<std::array<float, packetRays>, 8> numbers;
-    for (std::size_t i = 0; i < packetRays; ++i) {
-        const auto ray = filterRay(rays[i], interval, tree.box);
-        if (!ray)
-            return false;
-        const std::array<float, 8> own = {ray->origin.x,    ray->origin.y,    ray->origin.z,
-                                          ray->direction.x, ray->direction.y, ray->direction.z,
-                                          ray->weightScale, ray->detScale};
-        for (std::size_t k = 0; k < own.size(); ++k)
-            numbers[k][i] = own[k];
+    alignas(32) std::array<std::array<float, packetRays>, 6> numbers;
+    for (std::size_t i = 0; i < packetRays; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            numbers[static_cast<std::size_t>(axis)][i] = rays[i].origin[axis];
+            numbers[static_cast<std::size_t>(axis) + 3][i] = rays[i].direction[axis];
+        }
+    std::array<FilterRay<Float8>, packetVectors> filters;
+    for (std::size_t v = 0; v < packetVectors; ++v) {
+        const auto number = [&](std::size_t k) QX_KERNEL_TARGET __attribute__((always_inline)) {
+            return load<Float8>(&numbers[k][8 * v]);
+        };
+        const Float8 size = sizeOf(number(3)) + sizeOf(number(4)) + sizeOf(number(5));
+        filters[v] = {{number(0), number(1), number(2)},
+                      {number(3), number(4), number(5)},
+                      0x1p-18f * size,
+                      0x1p-19f * size};
     }
     const Float8 tMin = Float8{} + filterMin(interval.tMin);
     alignas(32) std::array<float, packetRays> tMax;
@@ -479,17 +500,11 @@ QX_KERNEL_TARGET bool nearestOfPacket(const WideTree& tree, const Ray* rays, Ray
                                               Float8{} + block.corners[c][1][i],
                                               Float8{} + block.corners[c][2][i]};
                 };
-                for (std::size_t first = 0; first < packetRays; first += 8) {
-                    const auto number = [&](std::size_t k) QX_KERNEL_TARGET __attribute__((always_inline)) {
-                        return load<Float8>(&numbers[k][first]);
-                    };
-                    const FilterRay<Float8> ray{{number(0), number(1), number(2)},
-                                                {number(3), number(4), number(5)},
-                                                number(6),
-                                                number(7)};
-                    unsigned mask = notNegative(filterTriangle<Float8>(ray, corner(0), corner(1), corner(2),
-                                                                       Float8{} + block.size[i], tMin,
-                                                                       load<Float8>(&tMax[first])));
+                for (std::size_t v = 0; v < packetVectors; ++v) {
+                    const std::size_t first = 8 * v;
+                    unsigned mask = notNegative(filterTriangle<Float8>(filters[v], corner(0), corner(1),
+                                                                       corner(2), Float8{} + block.size[i],
+                                                                       tMin, load<Float8>(&tMax[first])));
                     for (; mask != 0; mask &= mask - 1) {
                         const std::size_t r = first + static_cast<std::size_t>(std::countr_zero(mask));
                         if (!nearest[r])

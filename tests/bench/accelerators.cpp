@@ -1,7 +1,8 @@
 // Structures over triangles: rays a second and time to build, beside Embree in the same run, on the same
 // meshes with the same rays. Every figure is the median of interleaved runs, in CPU time of the thread.
 //
-//     bench_accelerators [mesh [repeats [rays]]]        blob, town, waves, all; camera, diffuse, random, shadow
+//     bench_accelerators [mesh [repeats [rays]]]    blob, town, waves, all; camera, diffuse, random, shadow
+//     bench_accelerators gaps [millions]            rays at edges and corners that miss a closed surface
 
 #include <algorithm>
 #include <array>
@@ -304,6 +305,41 @@ std::uint64_t packets(const Accelerator& structure, const RaySet& set) {
     return found;
 }
 
+/// Rays from inside the blob, which is closed, at corners and at places on edges: how many miss it.
+void countGaps(std::size_t rays) {
+    const Model model = makeBlob();
+    const auto wide = makeAccelerator(Structure::wideBvh, model.view());
+    const EmbreeScene embree(model);
+    const EmbreeScene robust(model, RTC_SCENE_FLAG_ROBUST);
+    Random random(11);
+    std::array<std::uint64_t, 3> missed{};
+    std::array<double, 3> seconds{};
+    for (std::size_t done = 0; done < rays; done += 100000) {
+        RaySet set{.name = "gaps", .rays = {}, .shadow = false, .interval = {}};
+        for (int i = 0; i < 100000; ++i) {
+            const Triangle triangle = model.view()[random.below(model.view().size())];
+            const glm::vec3 from = 0.1f * onSphere(random);
+            const float along = i % 4 == 0 ? 0 : random.uniform();
+            set.rays.push_back({from, glm::mix(triangle.a, triangle.b, along) - from});
+        }
+        const auto time = [&](std::size_t which, const auto& trace) {
+            const double start = cpuSeconds();
+            missed[which] += set.rays.size() - trace();
+            seconds[which] += cpuSeconds() - start;
+        };
+        time(0, [&] { return single(*wide, set); });
+        time(1, [&] { return embree.single(set); });
+        time(2, [&] { return robust.single(set); });
+    }
+    const auto millions = static_cast<double>(rays) * 1e-6;
+    std::printf("\n%.0f million rays from inside the blob at corners and edges\n", millions);
+    const std::array<const char*, 3> names = {"wide", "Embree", "Embree robust"};
+    for (std::size_t i = 0; i < names.size(); ++i)
+        std::printf("  %-14s %9llu missed (%.4f%%), %.2f Mrays/s\n", names[i],
+                    static_cast<unsigned long long>(missed[i]),
+                    100 * static_cast<double>(missed[i]) / static_cast<double>(rays), millions / seconds[i]);
+}
+
 struct Contender {
     const char* name;
     std::function<std::uint64_t(const RaySet&)> trace;
@@ -389,6 +425,8 @@ int main(int argc, char** argv) {
         measure(makeBlob(), repeats, only);
     if (which == "town" || which == "all")
         measure(makeTownModel(), repeats, only);
+    if (which == "gaps" || which == "all")
+        countGaps(which == "gaps" ? static_cast<std::size_t>(repeats) * 1000000 : 1000000);
     if (which == "waves" || which == "all")
         measure(makeWaves(), repeats, only);
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -59,11 +60,12 @@ std::vector<Structure> availableStructures() {
 
 class Accelerators : public testing::TestWithParam<Structure> {};
 
-INSTANTIATE_TEST_SUITE_P(Each, Accelerators, testing::ValuesIn(availableStructures()), [](const auto& info) {
-    std::string name(structureName(info.param));
+std::string nameOfStructure(const testing::TestParamInfo<Structure>& structure) {
+    std::string name(structureName(structure.param));
     std::erase(name, '-');
     return name;
-});
+}
+INSTANTIATE_TEST_SUITE_P(Each, Accelerators, testing::ValuesIn(availableStructures()), nameOfStructure);
 
 TEST_P(Accelerators, HaveTheHitsOfEveryTriangleTestedByItself) {
     const Mesh mesh = makeBlob(24);
@@ -98,9 +100,9 @@ TEST_P(Accelerators, AgreeOnRaysSideBySide) {
     const TriangleView triangles{mesh.positions, mesh.indices};
     const auto structure = makeAccelerator(GetParam(), triangles);
     std::vector<Ray> rays;
-    for (int y = 0; y < 24; ++y)
-        for (int x = 0; x < 24; ++x)
-            rays.push_back({{0.1f, 0.2f, 4}, {0.03f * (x - 11.5f), 0.03f * (y - 11.7f), -1}});
+    for (float y = -0.345f; y < 0.35f; y += 0.03f)
+        for (float x = -0.345f; x < 0.35f; x += 0.03f)
+            rays.push_back({{0.1f, 0.2f, 4}, {x, y, -1}});
     std::vector<std::optional<AcceleratorHit>> together(rays.size());
     TraversalCounts counts;
     structure->nearestOfEach(rays, {}, together, &counts);
@@ -111,7 +113,7 @@ TEST_P(Accelerators, AgreeOnRaysSideBySide) {
         hits += together[i] ? 1 : 0;
     }
     EXPECT_GT(hits, 100);
-    EXPECT_LT(hits, 576);
+    EXPECT_LT(hits, static_cast<int>(rays.size()));
 }
 
 TEST_P(Accelerators, OfNothingOrOfNothingFiniteHitNothing) {
@@ -211,7 +213,8 @@ TEST(BoxTree, ShowsAllBoxesThatARayMeets) {
     const BoxTree tree(boxes);
     int met = 0;
     for (int i = 0; i < 500; ++i) {
-        const Ray ray{pointIn(random, -1, 2), pointIn(random, -1, 1)};
+        Ray ray{pointIn(random, -1, 2)};
+        ray.direction = boxes[random.below(300)].centre() - ray.origin;
         std::set<std::uint32_t> seen;
         tree.visit(ray, {}, [&](std::uint32_t item, float tMax) {
             EXPECT_TRUE(seen.insert(item).second);
@@ -229,7 +232,7 @@ TEST(BoxTree, ShowsAllBoxesThatARayMeets) {
     }
     EXPECT_GT(met, 500);
     int visits = 0;
-    tree.visit({{-1, 0.5f, 0.5f}, {1, 0, 0}}, {}, [&](std::uint32_t, float) {
+    tree.visit({{0, 0, 0}, boxes[0].centre()}, {}, [&](std::uint32_t, float) {
         ++visits;
         return -std::numeric_limits<float>::infinity();
     });
