@@ -37,8 +37,9 @@ void Progress::update(std::size_t done) {
     const double elapsed = std::chrono::duration<double>(now - start_).count();
     const double left =
         done > 0 ? elapsed * static_cast<double>(total_ - done) / static_cast<double>(done) : 0;
-    const std::string bar = fmt::format("\r\x1b[K{} [{:=<{}}{: <{}}] {}/{}  {:.0f} s left", title_, "",
-                                        filled, "", barWidth - filled, done, total_, left);
+    const std::string bar =
+        fmt::format("\r\x1b[K{} [{:=<{}}{: <{}}] {}/{}  {:.0f} s left{}{}", title_, "", filled, "",
+                    barWidth - filled, done, total_, left, note_.empty() ? "" : "  ", note_);
     std::fputs(bar.c_str(), stderr);
     std::fflush(stderr);
 }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 namespace quincunx {
 
@@ -17,9 +18,12 @@ class Progress {
 
     /// Says that `done` pieces are finished, and throws Interrupted if a signal asked to stop.
     void update(std::size_t done);
+    /// A few words that stand behind the time left from now on.
+    void note(std::string words) { note_ = std::move(words); }
 
   private:
     std::string title_;
+    std::string note_;
     std::size_t total_;
     bool onTerminal_;
     std::chrono::steady_clock::time_point start_;

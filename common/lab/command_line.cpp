@@ -21,7 +21,7 @@ namespace {
 
 constexpr int interruptedStatus = 130;  // 128 + SIGINT, as shells have it
 
-constexpr std::array verbs = {"list", "run", "ask", "sweep", "plan", "stress", "compare"};
+constexpr std::array verbs = {"list", "run", "ask", "sweep", "plan", "stress", "compare", "deck"};
 
 const char* about =
     "Computer-graphics labs that measure what they teach.\n"
@@ -116,10 +116,10 @@ void parseSize(std::string_view text, DrawOptions& options) {
     options.height = side(text.substr(x + 1));
 }
 
-void addBackend(CLI::App& command, DrawOptions& options, bool window) {
+void addBackend(CLI::App& command, gl::Backend& backend, bool window) {
     command
         .add_option_function<std::string>(
-            "--backend", [&options](const std::string& name) { options.backend = gl::parseBackend(name); },
+            "--backend", [&backend](const std::string& name) { backend = gl::parseBackend(name); },
             "Where to draw")
         ->type_name(window ? "auto|osmesa|egl|window" : "auto|osmesa|egl")
         ->default_str("auto");
@@ -188,7 +188,7 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
 
     RunOptions runOptions;
     CLI::App* runCommand = labVerb("run", "Draw a lab: in a window or, without a display, into out/");
-    addBackend(*runCommand, runOptions.draw, true);
+    addBackend(*runCommand, runOptions.draw.backend, true);
     addFrame(*runCommand, runOptions.draw);
     runCommand->add_option("--out", runOptions.draw.out, "Draw offscreen into this PNG or EXR")
         ->type_name("FILE");
@@ -213,13 +213,13 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     addNumber(*askCommand, "QUESTION", question, 1, std::numeric_limits<int>::max(), "Its number")
         ->required()
         ->type_name("N");
-    addBackend(*askCommand, askOptions, false);
+    addBackend(*askCommand, askOptions.backend, false);
     askCommand->add_flag("--json", askOptions.json, "Machine-readable");
     askCommand->callback([&] { status = ask(labs, question, askOptions); });
 
     SweepOptions sweepOptions;
     CLI::App* sweepCommand = labVerb("sweep", "Error against time: table, CSV and SVG");
-    addBackend(*sweepCommand, sweepOptions.draw, false);
+    addBackend(*sweepCommand, sweepOptions.draw.backend, false);
     addFrame(*sweepCommand, sweepOptions.draw);
     sweepCommand->add_option("--sweep", sweepOptions.only, "Only this one")->type_name("NAME");
     sweepCommand->add_option("--out", sweepOptions.draw.out, "Folder for CSV and SVG")
@@ -252,7 +252,7 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
         addKnobs(*planCommand, lab->knobs(), given);
     else
         planCommand->allow_extras();
-    addBackend(*planCommand, planOptions.draw, false);
+    addBackend(*planCommand, planOptions.draw.backend, false);
     addFrame(*planCommand, planOptions.draw);
     planCommand->add_option("--model", planOptions.draw.model, "The lab draws this file")->type_name("FILE");
     planCommand->add_flag("--graph", planOptions.graph, "Print the frame's graph for Graphviz instead");
@@ -313,6 +313,20 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
         ->type_name("E");
     compareCommand->add_flag("--json", compareOptions.json, "Machine-readable");
     compareCommand->callback([&] { status = compare(compareOptions); });
+
+    DeckOptions deckOptions;
+    CLI::App* deckCommand = app.add_subcommand("deck", "The questions as cards that Anki imports");
+    if (only == nullptr)
+        deckCommand->add_option("--labs", deckOptions.labs, "Only these, with commas between")
+            ->delimiter(',')
+            ->type_name("LAB,…")
+            ->default_str("all");
+    addBackend(*deckCommand, deckOptions.backend, false);
+    deckCommand->add_option("--out", deckOptions.out, "Folder for the cards and their pictures")
+        ->type_name("FOLDER")
+        ->default_str("out/deck");
+    deckCommand->add_flag("--json", deckOptions.json, "Machine-readable");
+    deckCommand->callback([&] { status = deck(labs, deckOptions); });
 
     try {
         if (lab)

@@ -7,16 +7,14 @@
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_access.hpp>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "image/io.h"
+#include "lab/json.h"
 
 namespace quincunx {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::uintmax_t maxStateBytes = 1 << 20;
 

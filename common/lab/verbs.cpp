@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -10,7 +9,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "base/error.h"
@@ -20,6 +18,8 @@
 #include "gl/window.h"
 #include "image/color.h"
 #include "image/io.h"
+#include "lab/answer.h"
+#include "lab/json.h"
 #include "lab/picture_state.h"
 #include "lab/plot.h"
 #include "lab/studio.h"
@@ -31,16 +31,10 @@
 namespace quincunx {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int defaultWidth = 640;
 constexpr int defaultHeight = 480;
 constexpr int defaultWindowWidth = 960;
 constexpr int defaultWindowHeight = 720;
-
-std::string dump(const Json& json) {
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
 
 Json toJson(const KnobValues& knobs) {
     Json json = Json::object();
@@ -108,33 +102,6 @@ double quickFrameSeconds(Studio& studio, Lab& lab, const Frame& frame) {
     constexpr double patienceSeconds = 0.1;
     const double seconds = studio.pictureSeconds();
     return seconds * 5 > patienceSeconds ? seconds : studio.time(lab, frame, 5, 0).medianSeconds;
-}
-
-std::string wrap(std::string_view text, std::size_t width) {
-    std::string wrapped;
-    std::size_t column = 0;
-    std::size_t start = 0;
-    while (start < text.size()) {
-        const std::size_t end = std::min(text.find(' ', start), text.size());
-        const std::string_view word = text.substr(start, end - start);
-        if (column > 0 && column + 1 + word.size() > width) {
-            wrapped += '\n';
-            column = 0;
-        } else if (column > 0) {
-            wrapped += ' ';
-            ++column;
-        }
-        wrapped += word;
-        column += word.size();
-        start = end + 1;
-    }
-    return wrapped + '\n';
-}
-
-std::string figureText(double value) {
-    if (std::abs(value) >= 1e5 && value == std::floor(value) && std::abs(value) < 1e15)
-        return fmt::format("{:.0f}", value);
-    return fmt::format("{:.6g}", value);
 }
 
 }  // namespace
@@ -288,44 +255,12 @@ ExitStatus ask(std::span<const LabEntry> labs, int number, const DrawOptions& op
             if (question.number != number)
                 continue;
             Studio studio(options.backend);
-            const std::vector<Measurement> measurements = question.measure(studio);
-            const bool pass = std::all_of(measurements.begin(), measurements.end(),
-                                          [](const Measurement& measurement) { return measurement.pass(); });
-            Json json{{"question", number},
-                      {"lab", entry.folder()},
-                      {"asked", question.asked},
-                      {"answer", question.answer}};
-            std::string text = fmt::format("Question {} ({})\n\n{}\n{}\n", number, entry.folder(),
-                                           wrap(question.asked, 100), wrap(question.answer, 100));
-            if (!question.cardFix.empty()) {
-                json["card_fix"] = question.cardFix;
-                text += wrap("The card's mistake: " + question.cardFix, 100) + "\n";
-            }
-            json["measurements"] = Json::array();
-            std::size_t width = 0;
-            for (const Measurement& measurement : measurements)
-                width = std::max(width, measurement.name.size());
-            for (const Measurement& measurement : measurements) {
-                Json row{
-                    {"name", measurement.name}, {"value", measurement.value}, {"unit", measurement.unit}};
-                if (measurement.bound)
-                    row["bound"] = measurement.bound->text();
-                row["pass"] = measurement.pass();
-                json["measurements"].push_back(row);
-                text += fmt::format("  {:<{}}  {:>12} {:<10} {}\n", measurement.name, width,
-                                    figureText(measurement.value), measurement.unit,
-                                    !measurement.bound
-                                        ? ""
-                                        : fmt::format("{:<18} {}", measurement.bound->text(),
-                                                      measurement.pass() ? "holds" : "FELL SHORT"));
-            }
-            json["pass"] = pass;
-            print(options.json ? dump(json) : text);
-            return pass ? ExitStatus::ok : ExitStatus::checkFellShort;
+            const Answer answer = answerQuestion(entry, question, studio);
+            print(options.json ? toJson(answer) : toText(answer));
+            return answer.pass() ? ExitStatus::ok : ExitStatus::checkFellShort;
         }
     }
     std::sort(answered.begin(), answered.end());
-    constexpr int questionCount = 118;
     throw InputError(number > questionCount
                          ? fmt::format("there is no question {} among the {}", number, questionCount)
                          : fmt::format("question {} is not answered yet", number),

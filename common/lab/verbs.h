@@ -62,12 +62,20 @@ struct CompareOptions {
     bool json = false;
 };
 
+struct DeckOptions {
+    gl::Backend backend = gl::Backend::automatic;
+    std::vector<std::string> labs;  ///< only these; empty: all
+    std::string out;
+    bool json = false;
+};
+
 void list(std::span<const LabEntry> labs, bool json);
 void run(Lab& lab, const LabEntry& entry, RunOptions options);
 ExitStatus ask(std::span<const LabEntry> labs, int question, const DrawOptions& options);
 ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options);
 void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options);
 ExitStatus stress(Lab& lab, const LabEntry& entry, const StressOptions& options);
+ExitStatus deck(std::span<const LabEntry> labs, const DeckOptions& options);
 ExitStatus compare(const CompareOptions& options);
 
 /// The lab of that number, name or folder; InputError listing the labs there are.

@@ -283,6 +283,15 @@ class GltfWriter {
             out["alphaCutoff"] = number(m.alphaCutoff, place);
         if (m.doubleSided)
             out["doubleSided"] = true;
+        if (m.transmission != 0) {
+            extensions_.insert("KHR_materials_transmission");
+            out["extensions"]["KHR_materials_transmission"]["transmissionFactor"] =
+                unit(m.transmission, place);
+        }
+        if (m.ior != 1.5f) {
+            extensions_.insert("KHR_materials_ior");
+            out["extensions"]["KHR_materials_ior"]["ior"] = std::clamp(number(m.ior, place), 1.0, mostIor);
+        }
         Material derived = m;
         fillPhongFromMetallicRoughness(derived);
         const bool isDerived = derived.ambient == m.ambient && derived.diffuse == m.diffuse &&
@@ -401,6 +410,23 @@ class GltfWriter {
             document_["scenes"][0]["nodes"].push_back(number);
     }
 
+    json environmentEntry(const Environment& environment) {
+        const Image& panorama = environment.panorama;
+        std::vector<glm::vec3> pixels;
+        for (std::size_t i = 0; i < panorama.pixelCount(); ++i) {
+            const float* const p = panorama.data.data() + i * static_cast<std::size_t>(panorama.channels);
+            pixels.emplace_back(panorama.channels >= 3 ? glm::vec3(p[0], p[1], p[2]) : glm::vec3(p[0]));
+            if (!isFinite(pixels.back()))
+                failNotFinite("the environment");
+        }
+        if (pixels.empty())
+            throw InputError("the environment of the scene has no pixels", where_, "mend the scene");
+        return {{"bufferView", view(bytesOf(pixels))},
+                {"width", panorama.width},
+                {"height", panorama.height},
+                {"tint", numbers(environment.tint, "the environment")}};
+    }
+
     void writeNodes() {
         document_["scene"] = 0;
         json& top = document_["scenes"][0];
@@ -412,6 +438,8 @@ class GltfWriter {
                 {"ambientLight", numbers(scene_.ambientLight, "the ambient light")},
                 {"backgroundTop", numbers(scene_.backgroundTop, "the background")},
                 {"backgroundBottom", numbers(scene_.backgroundBottom, "the background")}};
+        if (scene_.environment)
+            top["extras"]["quincunx"]["environment"] = environmentEntry(*scene_.environment);
         for (const Attachment& attachment : scene_.attachments) {
             QX_CHECK_LT(attachment.node, scene_.nodes.size());
             attachments_[{attachment.thing, attachment.index}] = attachment;

@@ -13,9 +13,10 @@ namespace quincunx {
 /// - Materials, textures with their ways of being looked up, texture transforms, vertices, placements,
 /// lights,
 ///   cameras, nodes and animations are written as glTF has them (extensions KHR_lights_punctual,
-///   KHR_materials_emissive_strength, KHR_texture_transform). What it has no place for stands in "extras",
-///   which other programs pass over: Phong numbers that do not follow from metalness and roughness, the lens
-///   of a camera, ambient light, background, and texture transforms that are no scale, turn and offset.
+///   KHR_materials_emissive_strength, KHR_materials_ior, KHR_materials_transmission, KHR_texture_transform).
+///   What it has no place for stands in "extras", which other programs pass over: Phong numbers that do not
+///   follow from metalness and roughness, the lens of a camera, ambient light, background, the environment
+///   (three channels of its panorama, as floats), and texture transforms that are no scale, turn and offset.
 /// - Left out is what nothing shows: meshes of no instance, textures of no material, instances without
 ///   triangles, vertices of no triangle (where a mesh has fewer corners than vertices), nodes that neither
 ///   move nor carry such that do, cones of lights that are no spots. Where something is left out, the numbers

@@ -73,7 +73,7 @@ std::uint64_t fingerprint(const Scene& scene) {
     mix.value(scene.materials.size());
     for (const Material& m : scene.materials) {
         mix.values(m.baseColor, m.metallic, m.roughness, m.normalScale, m.occlusionStrength, m.emission,
-                   m.alphaMode, m.alphaCutoff, m.doubleSided);
+                   m.alphaMode, m.alphaCutoff, m.doubleSided, m.transmission, m.ior);
         for (const auto& use : {m.baseColorTexture, m.metallicRoughnessTexture, m.normalTexture,
                                 m.occlusionTexture, m.emissionTexture}) {
             mix.value(use.has_value());
@@ -120,6 +120,13 @@ std::uint64_t fingerprint(const Scene& scene) {
         mix.value(a.channels.size());
         for (const Animation::Channel& c : a.channels)
             mix.values(c.sampler, c.node, c.path);
+    }
+    mix.value(scene.environment.has_value());
+    if (scene.environment) {
+        const Image& panorama = scene.environment->panorama;
+        mix.values(panorama.width, panorama.height, panorama.channels, panorama.encoding,
+                   scene.environment->tint);
+        mix.array(panorama.data);
     }
     mix.values(scene.ambientLight, scene.backgroundTop, scene.backgroundBottom);
     return std::max<std::uint64_t>(mix.state(), 1);

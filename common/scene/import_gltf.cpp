@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -29,7 +30,8 @@ namespace quincunx {
 
 namespace {
 
-constexpr std::array supportedExtensions{"KHR_lights_punctual", "KHR_materials_emissive_strength",
+constexpr std::array supportedExtensions{"KHR_lights_punctual",   "KHR_materials_emissive_strength",
+                                         "KHR_materials_ior",     "KHR_materials_transmission",
                                          "KHR_mesh_quantization", "KHR_texture_transform"};
 
 bool supported(const std::string& extension) {
@@ -212,6 +214,18 @@ class GltfReader {
             material.alphaMode = Material::AlphaMode::blend;
         material.alphaCutoff = static_cast<float>(std::max(json.numberOr("alphaCutoff", 0.5), 0.0));
         material.doubleSided = json.booleanOr("doubleSided", false);
+        if (const auto glass = extension(json, "KHR_materials_transmission")) {
+            material.transmission = unitNumber(glass->numberOr("transmissionFactor", 0));
+            if (glass->has("transmissionTexture"))
+                warnings_.add("textures of transmission are not read: their factor holds everywhere");
+            if (material.transmission > 0)
+                warnings_.add("glass is drawn opaque: light goes through it where paths are traced");
+        }
+        if (const auto glass = extension(json, "KHR_materials_ior")) {
+            // 0 stands for an index beyond all bounds, which mirrors everything.
+            const double ior = glass->numberOr("ior", 1.5);
+            material.ior = static_cast<float>(ior == 0 ? mostIor : std::clamp(ior, 1.0, mostIor));
+        }
         fillPhong(material);
         if (const auto own = ownExtras(json)) {
             if (const auto ambient = own->numbers<3>("ambient"))
@@ -722,6 +736,26 @@ class GltfReader {
         return node;
     }
 
+    Environment readEnvironment(const JsonView& json) {
+        const std::size_t width = json.at("width").index();
+        const std::size_t height = json.at("height").index();
+        const std::string_view bytes = buffers_.view(json.at("bufferView").index()).bytes;
+        constexpr std::size_t pixelBytes = 3 * sizeof(float);
+        if (width < 1 || height < 1 || width > maxImageSide || height > maxImageSide ||
+            bytes.size() != width * height * pixelBytes)
+            json.fail("has another size than its pixels");
+        buffers_.charge(bytes.size(), json);
+        Environment environment;
+        environment.panorama = Image(static_cast<int>(width), static_cast<int>(height), 3, Encoding::linear);
+        std::memcpy(environment.panorama.data.data(), bytes.data(), bytes.size());
+        for (const float value : environment.panorama.data)
+            if (!std::isfinite(value))
+                json.fail("has a pixel that is not finite");
+        if (const auto tint = json.numbers<3>("tint"))
+            environment.tint = nonNegative(*tint);
+        return environment;
+    }
+
     std::vector<std::size_t> rootNodes() {
         std::vector<std::size_t> roots;
         const std::size_t nodes = root_.countOf("nodes");
@@ -735,6 +769,8 @@ class GltfReader {
                     scene_.backgroundTop = nonNegative(*top);
                 if (const auto bottom = own->numbers<3>("backgroundBottom"))
                     scene_.backgroundBottom = nonNegative(*bottom);
+                if (const auto environment = own->find("environment"))
+                    scene_.environment = readEnvironment(*environment);
             }
             if (const auto list = scene.find("nodes"))
                 for (std::size_t i = 0; i < list->size(); ++i)

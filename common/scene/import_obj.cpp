@@ -21,6 +21,7 @@
 #include "image/io.h"
 #include "scene/import_formats.h"
 #include "scene/import_support.h"
+#include "scene/placement.h"
 
 namespace quincunx {
 
@@ -829,6 +830,19 @@ class ObjReader {
         if (opacity < 1) {
             material.alphaMode = Material::AlphaMode::blend;
             warnings_.add("blended surfaces are drawn opaque");
+        }
+        // 1 is what tinyobjloader gives where the file says nothing.
+        if (const float ior = finite(source.ior, 0, static_cast<float>(mostIor), 1); ior > 1)
+            material.ior = ior;
+        // Of the illumination models these are glass (4, 9) and refraction (6, 7).
+        if (source.illum == 4 || source.illum == 6 || source.illum == 7 || source.illum == 9) {
+            const glm::vec3 filter = glm::min(color(source.transmittance), glm::vec3(1));
+            material.transmission = 1;
+            if (filter != glm::vec3(0))
+                material.baseColor = glm::vec4(filter, opacity);
+            else if (opacity < 1 && opacity > 0)
+                material.transmission = 1 - opacity;
+            warnings_.add("glass is drawn opaque: light goes through it where paths are traced");
         }
         material.metallic = finite(source.metallic, 0, 1, 0);
         // 0 is what tinyobjloader gives where the file says nothing.

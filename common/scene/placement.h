@@ -24,6 +24,9 @@ glm::mat3 textureTransformMatrix(const glm::dvec2& offset, double rotationRadian
 /// The factor of a material's emission is taken up to here, W/(m² sr).
 inline constexpr double mostEmission = 1e6;
 
+/// Indices of refraction are taken up to here: such glass mirrors all but a millionth.
+inline constexpr double mostIor = 1e6;
+
 /// True if all is finite as float.
 bool isFiniteAsFloat(const glm::dmat4& frame);
 

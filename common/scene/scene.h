@@ -58,6 +58,8 @@ struct Material {
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;
+    float transmission = 0;  ///< share of what is not mirrored that goes through: 0 none … 1 glass
+    float ior = 1.5f;        ///< index of refraction of the inside, ≥ 1
 
     glm::vec3 ambient{0.04f};   ///< share of the ambient light sent back
     glm::vec3 diffuse{0.8f};    ///< Lambertian albedo, multiplied with the texture
@@ -97,6 +99,12 @@ struct Instance {
     glm::mat4 worldFromModel{1};
 };
 
+/// Light that comes from infinitely far away, from all around.
+struct Environment {
+    Image panorama;     ///< radiance, linear RGB, laid out as panoramaDirection in environment_math.glsl
+    glm::vec3 tint{1};  ///< multiplied with it
+};
+
 /// All that is drawn: plain data, no GL.
 struct Scene {
     std::string name;
@@ -109,6 +117,7 @@ struct Scene {
     std::vector<Node> nodes;              ///< parents before children; none where nothing moves
     std::vector<Attachment> attachments;  ///< what `pose` places; all else stays where it is
     std::vector<Animation> animations;
+    std::optional<Environment> environment;
     glm::vec3 ambientLight{0.1f};   ///< linear RGB, from every direction
     glm::vec3 backgroundTop{0};     ///< linear RGB at the top row, blending to …
     glm::vec3 backgroundBottom{0};  ///< … this at the bottom row

@@ -15,9 +15,9 @@ struct MirrorsSeen {
     bool panel = true;
 };
 
-/// The picture with true reflections: one ray through each pixel's centre against the surfaces themselves, in
-/// double; where it meets a mirror first it goes on once, along its mirror image, and what that ray meets is
-/// seen times the mirror's tint. Mirrors do not see one another or themselves. All other surfaces are matt:
+/// The picture with true reflections: one ray through each pixel's centre against the surfaces themselves;
+/// where it meets a mirror first it goes on once, along its mirror image, and what that ray meets is seen
+/// times the mirror's tint. Mirrors do not see one another or themselves. All other surfaces are matt:
 ///   L = emission + ambient ⊙ ambientLight + Σ over lights of E ⊙ diffuse max(0, n·l),
 /// E as in trace/reference.h, without shadows. Black where nothing is met. RGBA (A = 1), linear, the same on
 /// any number of threads. When `stop` becomes true, the remaining rows are left at zero.

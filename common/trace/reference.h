@@ -6,6 +6,7 @@
 
 #include "image/image.h"
 #include "scene/still_life.h"
+#include "trace/trace_scene.h"
 
 namespace quincunx {
 
@@ -32,23 +33,24 @@ struct PhongModel {
     bool shadows = false;
 };
 
-/// The picture that drawing infinitely many triangles with shading per pixel tends to: one ray through each
-/// pixel's centre against the surfaces themselves, nearest hit between the camera's near and far planes, all
-/// in double, with the model's formulas written plainly.
-///
-/// Each object is first transformed by `worldFromWorld`, any affine map: it may shear, scale and mirror.
-/// Normals are carried by the cofactor matrix times the determinant's sign, so that they point out of the
-/// solid; an object that the map flattens is not drawn. Pixels without a hit get
-/// mix(backgroundBottom, backgroundTop, (height - y - ½) / height). The result is RGBA (A = 1), linear, and
-/// the same on any number of threads. When `stop` becomes true, the remaining rows are left at zero.
-Image traceReference(const StillLife& scene, const Camera& camera, int width, int height,
-                     const PhongModel& model = {}, const glm::mat4& worldFromWorld = glm::mat4(1),
-                     const std::atomic<bool>* stop = nullptr);
+/// The picture that shading per pixel tends to: one ray through each pixel's centre, nearest hit between the
+/// camera's near and far planes, and the model's formulas written plainly in double. Surfaces of materials
+/// that are not double-sided are seen from their front only, but throw shadows from both sides; of solids in
+/// closed form the inside is seen too. Where double-sided ones are seen from behind, their normals are turned
+/// around. Pixels without a hit get mix(backgroundBottom, backgroundTop, (height - y - ½) / height). The
+/// result is RGBA (A = 1), linear, and the same on any number of threads. When `stop` becomes true, the
+/// remaining rows are left at zero.
+Image traceReference(const TraceScene& scene, const Camera& camera, int width, int height,
+                     const PhongModel& model = {}, const std::atomic<bool>* stop = nullptr);
 
 /// Which pixels see a point that a light reaches: 1 if the surface faces it and nothing lies between, 0 if
-/// not, −1 where there is no surface. The same rays as `traceReference`; one channel. The ray to the light
-/// starts 1e-9 of the scene's size above the surface, far above the tracer's rounding.
-Image traceLitMask(const StillLife& scene, const Camera& camera, int width, int height, std::size_t light,
+/// not, −1 where there is no surface. The same rays as `traceReference`; one channel.
+Image traceLitMask(const TraceScene& scene, const Camera& camera, int width, int height, std::size_t light,
                    const std::atomic<bool>* stop = nullptr);
+
+/// All placed anew by `worldFromWorld`, any affine map: it may shear, scale and mirror. Lights, cameras and
+/// what moves stay as they are. What the map flattens is not drawn.
+StillLife placedBy(StillLife stillLife, const glm::mat4& worldFromWorld);
+Scene placedBy(Scene scene, const glm::mat4& worldFromWorld);
 
 }  // namespace quincunx

@@ -34,6 +34,11 @@ Column columnOf(int index, int width, int height, const Camera& camera) {
     return column;
 }
 
+float scaledShininess(const Material& material, float times) {
+    constexpr float most = 1e5f;  // what the shaders' bound on cosine powers is derived for
+    return std::min(material.shininess * times, most);
+}
+
 /// A white line between two pictures.
 void fillColumn(int left, int width, int height) {
     glEnable(GL_SCISSOR_TEST);
@@ -52,7 +57,7 @@ void ShadingLab::useScene(Scene scene) {
         scene.lights = studioLights();
     scene.backgroundTop = stillLife_.backgroundTop;
     scene.backgroundBottom = stillLife_.backgroundBottom;
-    scene_ = std::move(scene);
+    scene_ = std::make_shared<const Scene>(std::move(scene));
     builtIn_ = false;
     tessellation.setIdle("imported models keep their own triangles");
     shared_.reset();
@@ -62,11 +67,11 @@ void ShadingLab::useScene(Scene scene) {
 Camera ShadingLab::defaultCamera() const {
     if (builtIn_)
         return stillLife_.camera;
-    return scene_.cameras.empty() ? frameBounds(scene_.bounds(), composedAspect) : scene_.cameras.front();
+    return scene_->cameras.empty() ? frameBounds(scene_->bounds(), composedAspect) : scene_->cameras.front();
 }
 
 Bounds ShadingLab::sceneBounds() const {
-    return builtIn_ ? quincunx::tessellate(stillLife_, 8).bounds() : scene_.bounds();
+    return builtIn_ ? quincunx::tessellate(stillLife_, 8).bounds() : scene_->bounds();
 }
 
 glm::mat4 ShadingLab::worldFromScene() const {
@@ -80,13 +85,8 @@ PhongModel ShadingLab::model() const {
     return {reflection.as<PhongModel::Reflection>(), ambient, diffuse, specular, emission};
 }
 
-float ShadingLab::scaledShininess(const Material& material) const {
-    constexpr float most = 1e5f;  // what the shaders' bound on cosine powers is derived for
-    return std::min(material.shininess * shininessScale, most);
-}
-
 std::vector<Light> ShadingLab::turnedLights() const {
-    std::vector<Light> lights = builtIn_ ? stillLife_.lights : scene_.lights;
+    std::vector<Light> lights = builtIn_ ? stillLife_.lights : scene_->lights;
     const glm::mat3 turn(glm::rotate(glm::mat4(1), glm::radians(static_cast<float>(lightTurn)), {0, 1, 0}));
     for (Light& light : lights) {
         light.position = turn * light.position;
@@ -98,7 +98,7 @@ std::vector<Light> ShadingLab::turnedLights() const {
 void ShadingLab::prepareScene() {
     if (!builtIn_ || builtTessellation_ == tessellation)
         return;
-    scene_ = quincunx::tessellate(stillLife_, tessellation);
+    scene_ = std::make_shared<const Scene>(quincunx::tessellate(stillLife_, tessellation));
     builtTessellation_ = tessellation;
     shared_.reset();
     facets_.reset();
@@ -108,20 +108,20 @@ std::optional<SceneBuffers>& ShadingLab::buffersFor(ShadingModel model) {
     std::optional<SceneBuffers>& buffers =
         layoutFor(model) == SceneBuffers::Layout::shared ? shared_ : facets_;
     if (!buffers)
-        buffers.emplace(scene_, layoutFor(model));
+        buffers.emplace(*scene_, layoutFor(model));
     return buffers;
 }
 
 std::vector<ObjectBlock> ShadingLab::objectBlocks() const {
     std::vector<ObjectBlock> blocks;
-    blocks.reserve(scene_.instances.size());
-    for (const Instance& instance : scene_.instances) {
-        Material material = scene_.materials[instance.material];
+    blocks.reserve(scene_->instances.size());
+    for (const Instance& instance : scene_->instances) {
+        Material material = scene_->materials[instance.material];
         material.ambient *= ambient ? 1 : 0;
         material.diffuse *= diffuse ? 1 : 0;
         material.specular *= specular ? 1 : 0;
         material.emission *= emission ? 1 : 0;
-        material.shininess = scaledShininess(material);
+        material.shininess = scaledShininess(material, shininessScale);
         const glm::mat4 worldFromModel = worldFromScene() * instance.worldFromModel;
         blocks.push_back(makeObjectBlock(material, worldFromModel));
         const glm::mat3 chosen = normals.as<Normals>() == Normals::model ? glm::mat3(worldFromModel)
@@ -154,13 +154,13 @@ void ShadingLab::drawScene(graph::PassContext& context, const Frame& frame, int 
     ForwardParams params;
     const bool blinnPhong = model().reflection == PhongModel::Reflection::blinnPhong;
     for (std::size_t i = 0; i < objects.size(); ++i) {
-        params.doubleSided.push_back(scene_.materials[scene_.instances[i].material].doubleSided);
+        params.doubleSided.push_back(scene_->materials[scene_->instances[i].material].doubleSided);
         params.mirrored.push_back(glm::determinant(glm::mat3(objects[i].worldFromModel)) < 0);
     }
     const auto draw = [&](ShadingModel one, const Camera& camera, float aspect) {
         params.program = shadingProgram(one, blinnPhong);
         SceneBuffers& buffers = *buffersFor(one);
-        buffers.update(makeFrameBlock(scene_, turnedLights(), camera, aspect), objects);
+        buffers.update(makeFrameBlock(*scene_, turnedLights(), camera, aspect), objects);
         drawForward(context, buffers, params);
         counters_["triangles"] += buffers.triangleCount();
         counters_["vertices"] += buffers.vertexCount();
@@ -186,16 +186,29 @@ void ShadingLab::drawScene(graph::PassContext& context, const Frame& frame, int 
     glViewport(0, 0, width, height);
 }
 
-Lab::ReferenceJob ShadingLab::reference(const Frame& frame) const {
+std::function<TraceScene()> ShadingLab::exactScene() const {
+    const auto sharpen = [times = static_cast<float>(shininessScale)](Material& material) {
+        material.shininess = scaledShininess(material, times);
+    };
+    const glm::mat4 placement = worldFromScene();
     if (!builtIn_)
-        return {};
-    StillLife exact = stillLife_;
+        return [sharpen, placement, scene = scene_, lights = turnedLights()] {
+            Scene exact = placedBy(*scene, placement);
+            exact.lights = lights;
+            std::for_each(exact.materials.begin(), exact.materials.end(), sharpen);
+            return TraceScene(std::move(exact));
+        };
+    StillLife exact = placedBy(stillLife_, placement);
     exact.lights = turnedLights();
     for (StillLife::Object& object : exact.objects)
-        object.material.shininess = scaledShininess(object.material);
-    const auto trace = [exact, model = model(), placement = worldFromScene()](
-                           const Camera& camera, int width, int height, const std::atomic<bool>& stop) {
-        return traceReference(exact, camera, width, height, model, placement, &stop);
+        sharpen(object.material);
+    return [exact] { return TraceScene(exact); };
+}
+
+Lab::ReferenceJob ShadingLab::reference(const Frame& frame) const {
+    const auto trace = [make = exactScene(), model = model()](const Camera& camera, int width, int height,
+                                                              const std::atomic<bool>& stop) {
+        return traceReference(make(), camera, width, height, model, &stop);
     };
     const bool compare = shading.as<Shading>() == Shading::compare;
     return [trace, frame, compare, factor = static_cast<int>(supersample)](const std::atomic<bool>& stop) {

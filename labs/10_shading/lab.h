@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -28,7 +29,8 @@ class ShadingLab final : public Lab {
     Bounds sceneBounds() const override;
     ReferenceJob reference(const Frame& frame) const override;
     std::string referenceName() const override {
-        return "rays traced to the exact surfaces, shaded in double";
+        return builtIn_ ? "rays traced to the exact surfaces, shaded in double"
+                        : "rays traced to the triangles, shaded in double at every pixel";
     }
     std::vector<Question> questions() override;
     std::vector<Sweep> sweeps() override;
@@ -73,7 +75,8 @@ class ShadingLab final : public Lab {
     /// The scene's placement in the world after the shear and mirror knobs.
     glm::mat4 worldFromScene() const;
     PhongModel model() const;
-    float scaledShininess(const Material& material) const;
+    /// Makes what is drawn as the knobs say, to be traced: solids, or the triangles of an imported model.
+    std::function<TraceScene()> exactScene() const;
     void prepareScene();
     std::optional<SceneBuffers>& buffersFor(ShadingModel model);
     std::vector<ObjectBlock> objectBlocks() const;
@@ -83,7 +86,7 @@ class ShadingLab final : public Lab {
     StillLife stillLife_;
     bool builtIn_ = true;
     int builtTessellation_ = 0;
-    Scene scene_;
+    std::shared_ptr<const Scene> scene_;
     std::optional<SceneBuffers> shared_;
     std::optional<SceneBuffers> facets_;
     std::map<std::string, std::uint64_t> counters_;

@@ -42,6 +42,7 @@ void ShadowMapLab::useScene(Scene scene) {
     scene.backgroundBottom = colonnade_.backgroundBottom;
     scene.ambientLight = colonnade_.ambientLight;
     bounds_ = scene.bounds();
+    imported_ = std::make_shared<const Scene>(scene);
     scene_ = std::make_unique<ForwardScene>(std::move(scene));
 }
 
@@ -163,17 +164,27 @@ graph::Resource ShadowMapLab::build(graph::FrameGraph& graph, const Frame& frame
 }
 
 Lab::ReferenceJob ShadowMapLab::reference(const Frame& frame) const {
-    if (!builtIn_ || view.as<View>() != View::picture)
+    if (view.as<View>() != View::picture)
         return {};
+    return
+        [exact = exactScene(), frame, factor = static_cast<int>(supersample)](const std::atomic<bool>& stop) {
+            return boxDownsample(
+                traceReference(exact(), frame.camera, frame.width * factor, frame.height * factor,
+                               {.reflection = PhongModel::Reflection::blinnPhong, .shadows = true}, &stop),
+                factor);
+        };
+}
+
+std::function<TraceScene()> ShadowMapLab::exactScene() const {
+    if (!builtIn_)
+        return [scene = imported_, light = currentLight()] {
+            Scene exact = *scene;
+            exact.lights = {light};
+            return TraceScene(std::move(exact));
+        };
     StillLife exact = colonnade_;
     exact.lights = {currentLight()};
-    return [exact, frame, factor = static_cast<int>(supersample)](const std::atomic<bool>& stop) {
-        return boxDownsample(
-            traceReference(exact, frame.camera, frame.width * factor, frame.height * factor,
-                           {.reflection = PhongModel::Reflection::blinnPhong, .shadows = true}, glm::mat4(1),
-                           &stop),
-            factor);
-    };
+    return [exact] { return TraceScene(exact); };
 }
 
 }  // namespace quincunx

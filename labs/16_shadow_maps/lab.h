@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "lab/lab.h"
@@ -27,7 +28,8 @@ class ShadowMapLab final : public Lab {
     Bounds sceneBounds() const override;
     ReferenceJob reference(const Frame& frame) const override;
     std::string referenceName() const override {
-        return "rays traced to the exact surfaces and on to the light, in double";
+        return builtIn_ ? "rays traced to the exact surfaces and on to the light"
+                        : "rays traced to the triangles and on to the light";
     }
     std::vector<Question> questions() override;
     std::vector<Sweep> sweeps() override;
@@ -70,6 +72,8 @@ class ShadowMapLab final : public Lab {
     const StillLife& colonnade() const { return colonnade_; }
     /// The light as the knobs have it; the scene's only one.
     Light currentLight() const;
+    /// Makes what is drawn, to be traced: solids, or the triangles of an imported model.
+    std::function<TraceScene()> exactScene() const;
     ShadowMapParams shadowParams() const;
 
   private:
@@ -80,6 +84,7 @@ class ShadowMapLab final : public Lab {
     int builtTessellation_ = 0;
     Bounds bounds_;  ///< of the casters
     std::unique_ptr<ForwardScene> scene_;
+    std::shared_ptr<const Scene> imported_;  ///< the same, to be traced
     ShadowMap shadowMap_;
     std::map<std::string, std::uint64_t> counters_;
 };

@@ -30,9 +30,7 @@ struct Bench {
         retrace();
     }
     void retrace() {
-        StillLife scene = lab.colonnade();
-        scene.lights = {lab.currentLight()};
-        traced = traceLitMask(scene, frame.camera, width, height, 0, &interruptFlag());
+        traced = traceLitMask(lab.exactScene()(), frame.camera, width, height, 0, &interruptFlag());
     }
     MaskFigures measure() { return compareMasks(studio.linearPicture(lab, frame), traced); }
     MaskFigures measure(ShadowBias bias, float scale) {
@@ -211,9 +209,8 @@ std::vector<Sweep> ShadowMapLab::sweeps() {
         supersample.set(1);
         tessellation.set(96);
         if (traced->width != frame.width || traced->height != frame.height) {
-            StillLife exact = colonnade_;
-            exact.lights = {currentLight()};
-            *traced = traceLitMask(exact, frame.camera, frame.width, frame.height, 0, &interruptFlag());
+            *traced =
+                traceLitMask(exactScene()(), frame.camera, frame.width, frame.height, 0, &interruptFlag());
         }
         SweepSample sample;
         view.set(static_cast<int>(View::mask));

@@ -37,9 +37,7 @@ std::unique_ptr<ShadowMapLab> plainLab(Source source = Source::sun) {
 }
 
 MaskFigures maskOf(ShadowMapLab& lab, Studio& studio, const Frame& frame) {
-    StillLife scene = lab.colonnade();
-    scene.lights = {lab.currentLight()};
-    const Image traced = traceLitMask(scene, frame.camera, frame.width, frame.height, 0);
+    const Image traced = traceLitMask(lab.exactScene()(), frame.camera, frame.width, frame.height, 0);
     const int view = lab.view.index();
     lab.view.set(static_cast<int>(View::mask));
     const MaskFigures figures = compareMasks(studio.linearPicture(lab, frame), traced);
@@ -68,6 +66,20 @@ TEST_P(ShadowMaps16, ThePictureNearsTheTracedOneForEveryLightInBothSizes) {
             EXPECT_LE(rmse(reference, studio_.linearPicture(*lab, view)), 0.07)
                 << static_cast<int>(source) << " at " << size.width;
         }
+}
+
+TEST_P(ShadowMaps16, ImportedModelsHaveAReferenceToo) {
+    const auto lab = plainLab();
+    Scene scene = tessellate(lab->colonnade(), 24);
+    scene.cameras = {lab->colonnade().camera};
+    lab->useScene(std::move(scene));
+    lab->resolution.set(2048);
+    const Frame view = frame(*lab, large);
+    const Image traced = lab->reference(view)(std::atomic<bool>(false));
+    // Measured: 0.015, the edges of shadows.
+    EXPECT_LE(rmse(traced, studio_.linearPicture(*lab, view)), 0.03);
+    lab->sunTurn.set(20);
+    EXPECT_GT(rmse(traced, studio_.linearPicture(*lab, view)), 0.1) << "another light is another picture";
 }
 
 TEST_P(ShadowMaps16, WrongPixelsFallAsTheMapGrows) {

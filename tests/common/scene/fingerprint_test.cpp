@@ -39,6 +39,13 @@ TEST(Fingerprint, TellsEveryChangeFromEveryOther) {
         [](Scene& s) { s.materials[1].baseColor.a = 0.5f; },
         [](Scene& s) { s.materials[1].shininess += 1; },
         [](Scene& s) { s.materials[1].doubleSided = !s.materials[1].doubleSided; },
+        [](Scene& s) { s.materials[1].transmission += 0.25f; },
+        [](Scene& s) { s.materials[1].ior += 0.25f; },
+        [](Scene& s) { s.environment = Environment{}; },
+        [](Scene& s) { s.environment = Environment{Image(2, 1, 3, Encoding::linear)}; },
+        [](Scene& s) {
+            s.environment = Environment{Image(2, 1, 3, Encoding::linear), glm::vec3(0.5f)};
+        },
         [](Scene& s) { s.materials[1].baseColorTexture = 0; },
         [](Scene& s) { s.materials[1].normalTexture = 0; },
         [](Scene& s) {

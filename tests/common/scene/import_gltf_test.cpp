@@ -353,6 +353,40 @@ TEST(Gltf, MaterialsCarryBothSetsOfNumbers) {
     EXPECT_EQ(scene.instances.at(0).material, 0u);
 }
 
+TEST(Gltf, ReadsGlassAndSaysThatItIsDrawnOpaque) {
+    GltfFile file = test::squareFile();
+    file.json["extensionsUsed"] = {"KHR_materials_transmission", "KHR_materials_ior"};
+    file.json["extensionsRequired"] = file.json["extensionsUsed"];
+    const auto glass = [](double transmission, double ior) {
+        return nlohmann::json{{"extensions",
+                               {{"KHR_materials_transmission", {{"transmissionFactor", transmission}}},
+                                {"KHR_materials_ior", {{"ior", ior}}}}}};
+    };
+    file.json["materials"] = {glass(0.75, 1.25), glass(3, 0.5), glass(0, 0), nlohmann::json::object()};
+    file.json["meshes"][0]["primitives"][0]["material"] = 0;
+    const ImportedScene imported = load(file);
+    const std::vector<Material>& materials = imported.scene.materials;
+    EXPECT_EQ(materials.at(0).transmission, 0.75f);
+    EXPECT_EQ(materials.at(0).ior, 1.25f);
+    EXPECT_EQ(materials.at(1).transmission, 1);
+    EXPECT_EQ(materials.at(1).ior, 1);
+    EXPECT_EQ(materials.at(2).ior, 1e6f) << "0 stands for no bound";
+    EXPECT_EQ(materials.at(3).transmission, 0);
+    EXPECT_EQ(materials.at(3).ior, 1.5f);
+    EXPECT_THAT(imported.warnings, testing::ElementsAre(HasSubstr("glass is drawn opaque")));
+}
+
+TEST(Gltf, RefusesEnvironmentsThatAreNotWhatTheySay) {
+    GltfFile file = test::squareFile();
+    nlohmann::json& own = file.json["scenes"][0]["extras"]["quincunx"]["environment"];
+    own = {{"bufferView", 0}, {"width", 30000}, {"height", 30000}};
+    EXPECT_THROW(load(file), InputError);
+    own["bufferView"] = 99;
+    EXPECT_THROW(load(file), InputError);
+    own = {{"bufferView", 0}, {"width", 0}, {"height", 1}};
+    EXPECT_THROW(load(file), InputError);
+}
+
 Image8 picture(int width, int height, std::uint8_t start) {
     Image8 image(width, height, 3, Encoding::srgb);
     for (std::size_t i = 0; i < image.data.size(); ++i)

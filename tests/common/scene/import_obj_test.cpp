@@ -309,6 +309,28 @@ TEST(Obj, ReadsMaterialsAndMakesOneMeshOfEach) {
     EXPECT_EQ(glass.ambient, glass.diffuse) << "not given";
 }
 
+TEST(Obj, GlassIsReadFromItsIlluminationModelIndexAndFilter) {
+    const TemporaryFolder folder;
+    folder.file("m.mtl",
+                "newmtl clear\nKd 0.8 0.8 0.8\nNi 1.33\nillum 7\nTf 0.5 0.75 1\n"
+                "newmtl thin\nillum 4\nd 0.25\n"
+                "newmtl wood\nillum 2\nNi 1.0\n");
+    const std::filesystem::path file =
+        folder.file("m.obj",
+                    "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl clear\nf 1 2 3\nusemtl thin\nf 1 2 3\n"
+                    "usemtl wood\nf 1 2 3\n");
+    const ImportedScene imported = importScene(file);
+    const std::vector<Material>& materials = imported.scene.materials;
+    EXPECT_EQ(materials.at(0).transmission, 1);
+    EXPECT_EQ(materials.at(0).ior, 1.33f);
+    EXPECT_EQ(materials.at(0).baseColor, glm::vec4(0.5f, 0.75f, 1, 1));
+    EXPECT_EQ(materials.at(1).transmission, 0.75f);
+    EXPECT_EQ(materials.at(1).ior, 1.5f);
+    EXPECT_EQ(materials.at(2).transmission, 0);
+    EXPECT_EQ(materials.at(2).ior, 1.5f);
+    EXPECT_THAT(imported.warnings, testing::Contains(HasSubstr("glass is drawn opaque")));
+}
+
 TEST(Obj, LibrariesAndTexturesStayInTheFolder) {
     const TemporaryFolder folder;
     folder.file("outside.mtl", "newmtl a\nKd 1 0 0\n");

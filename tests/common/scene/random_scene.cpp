@@ -42,6 +42,14 @@ class Maker {
             scene_.backgroundTop = unit3();
             scene_.backgroundBottom = unit3();
         }
+        if (chance(0.3)) {
+            Environment& environment = scene_.environment.emplace();
+            environment.panorama = Image(1 + static_cast<int>(random_.below(5)),
+                                         1 + static_cast<int>(random_.below(5)), 3, Encoding::linear);
+            for (float& value : environment.panorama.data)
+                value = std::abs(coordinate());
+            environment.tint = unit3();
+        }
         poseAtRest(scene_);
         return std::move(scene_);
     }
@@ -141,6 +149,10 @@ class Maker {
         }
         if (chance(0.4))
             m.emissionTexture = addTexture(Encoding::srgb);
+        if (chance(0.3)) {
+            m.transmission = unit();
+            m.ior = 1 + 2 * unit();
+        }
         fillPhongFromMetallicRoughness(m);
         if (chance(0.5)) {
             m.ambient = unit3();

@@ -57,7 +57,7 @@ StillLife ballScene() {
 
 Image trace(const StillLife& scene, int width, int height, const PhongModel& model = {},
             const glm::mat4& worldFromWorld = glm::mat4(1)) {
-    return traceReference(scene, scene.camera, width, height, model, worldFromWorld);
+    return traceReference(TraceScene(placedBy(scene, worldFromWorld)), scene.camera, width, height, model);
 }
 
 PhongModel only(bool PhongModel::*term) {
@@ -322,7 +322,7 @@ TEST(Reference, FlattenedObjectsAreNotDrawn) {
 TEST(Reference, StopsWhenAsked) {
     const StillLife scene = makeStillLife();
     const std::atomic<bool> stop = true;
-    const Image image = traceReference(scene, scene.camera, 32, 24, {}, glm::mat4(1), &stop);
+    const Image image = traceReference(TraceScene(scene), scene.camera, 32, 24, {}, &stop);
     EXPECT_EQ(image, Image(32, 24, 4, Encoding::linear));
 }
 

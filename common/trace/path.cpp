@@ -1,0 +1,372 @@
+#include "trace/path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/check.h"
+#include "math/vector.h"
+#include "trace/brdf_glsl.h"
+#include "trace/sampling.h"
+
+namespace quincunx {
+namespace {
+
+float largest(glm::vec3 v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+/// Whether a path goes on; its weight grows by what the paths that end here would have brought. Always draws
+/// a number, so that a path's later ones are for the same things as its neighbours'.
+bool goesOn(glm::vec3& weight, const PathLimits& limits, PathSampler& sampler) {
+    const float u = sampler.next();
+    const float w = largest(weight);
+    if (!(w > limits.cutoff))
+        return false;
+    if (w >= limits.rouletteThreshold)
+        return true;
+    // A multiple of 2^-24, as u is: the path survives with just this probability.
+    const float survival = std::ceil(w / limits.rouletteThreshold * 0x1p24f) * 0x1p-24f;
+    if (u >= survival)
+        return false;
+    weight /= survival;
+    return true;
+}
+
+void countRay(PathCounts* counts, std::size_t level) {
+    if (counts != nullptr)
+        ++counts->raysAtLevel[std::min(level, PathCounts::levels - 1)];
+}
+
+TraversalCounts* traversalOf(PathCounts* counts) {
+    return counts != nullptr ? &counts->traversal : nullptr;
+}
+
+/// Whether directions lie on the sides of the true surface that their sides of the shading one say.
+bool sidesAgree(const PathVertex& vertex, glm::vec3 wiLocal, glm::vec3 wi) {
+    const glm::vec3 n = vertex.point.geometricNormal;
+    const glm::vec3 wo = vertex.worldFromLocal * vertex.wo;
+    return (wiLocal.z * vertex.wo.z > 0) == (glm::dot(n, wi) * glm::dot(n, wo) > 0);
+}
+
+}  // namespace
+
+std::uint64_t PathCounts::rays() const {
+    std::uint64_t sum = shadowRays;
+    for (const std::uint64_t count : raysAtLevel)
+        sum += count;
+    return sum;
+}
+
+PathCounts& PathCounts::operator+=(const PathCounts& other) {
+    for (std::size_t i = 0; i < levels; ++i)
+        raysAtLevel[i] += other.raysAtLevel[i];
+    shadowRays += other.shadowRays;
+    traversal += other.traversal;
+    return *this;
+}
+
+std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCounts* counts) {
+    const std::optional<SurfacePoint> met = scene.scene().nearest(ray, {}, traversalOf(counts));
+    if (!met)
+        return {};
+    PathVertex vertex;
+    vertex.point = *met;
+    const Material& material = scene.scene().scene().materials[met->material];
+    const SurfaceValues values = scene.scene().valuesAt(*met);
+    vertex.bsdf = bsdfOf({.baseColor = glm::min(glm::vec3(values.baseColor), glm::vec3(1)),
+                          .metallic = values.metallic,
+                          .roughness = values.roughness,
+                          .transmission = values.transmission,
+                          .ior = values.ior});
+    if (met->front || material.doubleSided)
+        vertex.emitted = values.emission;
+    const glm::vec3 back = -ray.direction;
+    glm::vec3 normal = met->shadingNormal;
+    // Interpolated normals may have turned away from the eye where the surface has not.
+    if ((glm::dot(normal, back) > 0) != met->front)
+        normal = met->geometricNormal;
+    if (!met->front && !(values.transmission > 0))
+        normal = -normal;
+    glm::vec3 tangent = met->tangent;
+    if (normal != met->shadingNormal && normal != -met->shadingNormal)
+        tangent = normalizeOr(
+            glm::cross(normal, std::abs(normal.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0)),
+            glm::vec3(1, 0, 0));
+    vertex.worldFromLocal = {tangent, glm::cross(normal, tangent), normal};
+    vertex.wo = vertex.toLocal(back);
+    // What rounding has laid below the horizon.
+    if (vertex.wo.z == 0)
+        vertex.wo.z = 0x1p-24f;
+    return vertex;
+}
+
+std::optional<Scattered> scatter(const PathVertex& vertex, PathSampler& sampler) {
+    const float choice = sampler.next();
+    const std::optional<BsdfSample> drawn = sample(vertex.bsdf, vertex.wo, choice, sampler.next2());
+    if (!drawn)
+        return {};
+    const glm::vec3 wi = vertex.worldFromLocal * drawn->wi;
+    if (!sidesAgree(vertex, drawn->wi, wi))
+        return {};
+    return Scattered{TraceScene::leave(vertex.point, wi), drawn->weight, drawn->density, drawn->delta};
+}
+
+std::optional<DirectLight> drawDirectLight(const PathScene& scene, const PathVertex& vertex,
+                                           PathSampler& sampler, PathCounts* counts) {
+    const float choice = sampler.next();
+    const std::optional<LightDraw> draw =
+        scene.lights().draw(scene.scene(), vertex.point, choice, sampler.next2());
+    if (!draw)
+        return {};
+    const glm::vec3 wi = vertex.toLocal(draw->wi);
+    const glm::vec3 f = evaluate(vertex.bsdf, vertex.wo, wi);
+    DirectLight direct;
+    direct.light = f * std::abs(wi.z) * draw->weight;
+    if (!(largest(direct.light) > 0) || !sidesAgree(vertex, wi, draw->wi))
+        return {};
+    direct.lightDensity = draw->density;
+    direct.bsdfDensity = density(vertex.bsdf, vertex.wo, wi);
+    if (counts != nullptr)
+        ++counts->shadowRays;
+    const TraceScene& surfaces = scene.scene();
+    const bool visible =
+        draw->endless ? !surfaces.occluded(TraceScene::leave(vertex.point, draw->wi), {}, traversalOf(counts))
+        : draw->delta ? surfaces.visible(vertex.point, draw->from, traversalOf(counts))
+                      : surfaces.visible(vertex.point, draw->end, traversalOf(counts));
+    return visible ? std::optional(direct) : std::nullopt;
+}
+
+glm::vec3 tracePathNaive(const PathScene& scene, Ray ray, PathSampler& sampler, const PathLimits& limits,
+                         PathCounts* counts) {
+    glm::vec3 radiance(0);
+    glm::vec3 weight(1);
+    for (int bounce = 0;; ++bounce) {
+        countRay(counts, static_cast<std::size_t>(bounce));
+        const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+        if (!vertex)
+            return radiance + weight * scene.lights().environment(ray.direction);
+        radiance += weight * vertex->emitted;
+        if (bounce == limits.maxBounces)
+            return radiance;
+        const std::optional<Scattered> next = scatter(*vertex, sampler);
+        if (!next)
+            return radiance;
+        weight *= next->weight;
+        if (!goesOn(weight, limits, sampler))
+            return radiance;
+        ray = next->ray;
+    }
+}
+
+glm::vec3 tracePathNee(const PathScene& scene, Ray ray, PathSampler& sampler, const PathLimits& limits,
+                       PathCounts* counts) {
+    glm::vec3 radiance(0);
+    glm::vec3 weight(1);
+    std::optional<SurfacePoint> from;  // where a shadow ray was shot last
+    for (int bounce = 0;; ++bounce) {
+        countRay(counts, static_cast<std::size_t>(bounce));
+        const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+        if (!vertex) {
+            if (!from || scene.lights().density(ray.direction) == 0)
+                radiance += weight * scene.lights().environment(ray.direction);
+            return radiance;
+        }
+        if (!from || scene.lights().density(*from, vertex->point) == 0)
+            radiance += weight * vertex->emitted;
+        if (bounce == limits.maxBounces)
+            return radiance;
+        if (const std::optional<DirectLight> direct = drawDirectLight(scene, *vertex, sampler, counts))
+            radiance += weight * direct->light;
+        const std::optional<Scattered> next = scatter(*vertex, sampler);
+        if (!next)
+            return radiance;
+        weight *= next->weight;
+        if (!goesOn(weight, limits, sampler))
+            return radiance;
+        ray = next->ray;
+        // No shadow ray finds a light by a mirror or through smooth glass.
+        from = next->delta ? std::nullopt : std::optional(vertex->point);
+    }
+}
+
+glm::vec3 tracePathMis(const PathScene& scene, Ray ray, PathSampler& sampler, const PathLimits& limits,
+                       PathCounts* counts) {
+    glm::vec3 radiance(0);
+    glm::vec3 weight(1);
+    std::optional<SurfacePoint> from;  // where both ways were taken last …
+    float density = 0;                 // … and that of the way that was gone
+    for (int bounce = 0;; ++bounce) {
+        countRay(counts, static_cast<std::size_t>(bounce));
+        const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+        if (!vertex) {
+            const float share = from ? powerHeuristic(density, scene.lights().density(ray.direction)) : 1.0f;
+            return radiance + weight * share * scene.lights().environment(ray.direction);
+        }
+        if (vertex->emitted != glm::vec3(0)) {
+            const float share =
+                from ? powerHeuristic(density, scene.lights().density(*from, vertex->point)) : 1.0f;
+            radiance += weight * share * vertex->emitted;
+        }
+        if (bounce == limits.maxBounces)
+            return radiance;
+        if (const std::optional<DirectLight> direct = drawDirectLight(scene, *vertex, sampler, counts)) {
+            // Lights without extent are found in this way alone.
+            const float share =
+                direct->lightDensity > 0 ? powerHeuristic(direct->lightDensity, direct->bsdfDensity) : 1.0f;
+            radiance += weight * share * direct->light;
+        }
+        const std::optional<Scattered> next = scatter(*vertex, sampler);
+        if (!next)
+            return radiance;
+        weight *= next->weight;
+        if (!goesOn(weight, limits, sampler))
+            return radiance;
+        ray = next->ray;
+        from = next->delta ? std::nullopt : std::optional(vertex->point);
+        density = next->density;
+    }
+}
+
+namespace {
+
+glm::vec3 traceBranch(const PathScene& scene, const Ray& ray, const std::optional<SurfacePoint>& from,
+                      PathSampler& sampler, int branches, int level, const PathLimits& limits,
+                      PathCounts* counts) {
+    countRay(counts, static_cast<std::size_t>(level));
+    const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+    if (!vertex)
+        return !from || scene.lights().density(ray.direction) == 0 ? scene.lights().environment(ray.direction)
+                                                                   : glm::vec3(0);
+    glm::vec3 radiance(0);
+    if (!from || scene.lights().density(*from, vertex->point) == 0)
+        radiance += vertex->emitted;
+    if (level == limits.maxBounces)
+        return radiance;
+    glm::vec3 arriving(0);
+    for (int i = 0; i < branches; ++i) {
+        if (const std::optional<DirectLight> direct = drawDirectLight(scene, *vertex, sampler, counts))
+            arriving += direct->light;
+        if (const std::optional<Scattered> next = scatter(*vertex, sampler))
+            arriving += next->weight * traceBranch(scene, next->ray,
+                                                   next->delta ? std::nullopt : std::optional(vertex->point),
+                                                   sampler, branches, level + 1, limits, counts);
+    }
+    return radiance + arriving / static_cast<float>(branches);
+}
+
+}  // namespace
+
+glm::vec3 traceTree(const PathScene& scene, const Ray& ray, PathSampler& sampler, int branches,
+                    const PathLimits& limits, PathCounts* counts) {
+    QX_CHECK_GE(branches, 1);
+    return traceBranch(scene, ray, {}, sampler, branches, 0, limits, counts);
+}
+
+glm::vec3 tracePath(PathMethod method, const PathScene& scene, const Ray& ray, PathSampler& sampler,
+                    const PathLimits& limits, PathCounts* counts) {
+    switch (method) {
+        case PathMethod::naive:
+            return tracePathNaive(scene, ray, sampler, limits, counts);
+        case PathMethod::nee:
+            return tracePathNee(scene, ray, sampler, limits, counts);
+        case PathMethod::mis:
+            break;
+    }
+    return tracePathMis(scene, ray, sampler, limits, counts);
+}
+
+namespace {
+
+/// A mean and its standard error, by Welford's sums.
+class MeanOfColors {
+  public:
+    void add(glm::dvec3 value) {
+        ++count_;
+        const glm::dvec3 off = value - mean_;
+        mean_ += off / count_;
+        squares_ += off * (value - mean_);
+    }
+    glm::vec3 mean() const { return glm::vec3(mean_); }
+    glm::vec3 error() const { return glm::vec3(glm::sqrt(squares_ / (count_ * (count_ - 1)))); }
+
+  private:
+    double count_ = 0;
+    glm::dvec3 mean_{0};
+    glm::dvec3 squares_{0};
+};
+
+}  // namespace
+
+EquationTerms estimateTerms(const PathScene& scene, const Ray& ray, int samples, std::uint64_t seed,
+                            const PathLimits& limits) {
+    QX_CHECK_GE(samples, 2);
+    EquationTerms terms;
+    const std::optional<PathVertex> vertex = meet(scene, ray);
+    if (!vertex) {
+        terms.direct = scene.lights().environment(ray.direction);
+        return terms;
+    }
+    terms.emitted = vertex->emitted;
+    MeanOfColors direct;
+    MeanOfColors indirect;
+    for (int i = 0; i < samples; ++i) {
+        PathSampler sampler(0, static_cast<std::uint32_t>(i), seed);
+        glm::vec3 straight(0);
+        glm::vec3 around(0);
+        if (const std::optional<DirectLight> light = drawDirectLight(scene, *vertex, sampler))
+            straight +=
+                light->light *
+                (light->lightDensity > 0 ? powerHeuristic(light->lightDensity, light->bsdfDensity) : 1.0f);
+        if (const std::optional<Scattered> next = scatter(*vertex, sampler)) {
+            const std::optional<PathVertex> end = meet(scene, next->ray);
+            const glm::vec3 shining = end ? end->emitted : scene.lights().environment(next->ray.direction);
+            const float drawn = end ? scene.lights().density(vertex->point, end->point)
+                                    : scene.lights().density(next->ray.direction);
+            straight += next->weight * shining * (next->delta ? 1.0f : powerHeuristic(next->density, drawn));
+            if (end)
+                around += next->weight * (tracePathMis(scene, next->ray, sampler, limits) - end->emitted);
+        }
+        direct.add(straight);
+        indirect.add(around);
+    }
+    terms.direct = direct.mean();
+    terms.indirect = indirect.mean();
+    terms.directError = direct.error();
+    terms.indirectError = indirect.error();
+    return terms;
+}
+
+std::optional<glm::vec3> traceDirect(const TraceScene& traced, const Ray& ray) {
+    const std::optional<SurfacePoint> point = traced.nearest(ray);
+    if (!point)
+        return {};
+    const Scene& scene = traced.scene();
+    const Material& material = scene.materials[point->material];
+    const SurfaceValues values = traced.valuesAt(*point);
+    const glm::vec3 color(values.baseColor);
+    const glsl::MicrofacetSurface surface = glsl::metallicRoughness(color, values.metallic, values.roughness);
+    const glm::vec3 n = material.doubleSided && !point->front ? -point->shadingNormal : point->shadingNormal;
+    const glm::vec3 wo = normalizeOr(-ray.direction, n);
+    glm::vec3 radiance = values.emission + scene.ambientLight * color * values.occlusion;
+    for (const Light& light : scene.lights) {
+        const glsl::PhongLight source{
+            static_cast<int>(light.kind),  light.position,         light.direction,
+            light.color * light.intensity, light.innerConeRadians, light.outerConeRadians};
+        glsl::LightSample incoming = glsl::sampleLight(source, point->position);
+        const bool endless = light.kind == Light::Kind::directional;
+        if (light.range > 0 && !endless)
+            incoming.strength *=
+                glsl::rangeShare(glm::distance(light.position, point->position), light.range);
+        if (!(incoming.strength > 0) || !(glm::dot(n, incoming.wi) > 0))
+            continue;
+        const bool lit = endless ? !traced.occluded(TraceScene::leave(*point, incoming.wi))
+                                 : traced.visible(*point, light.position);
+        if (lit)
+            radiance +=
+                source.radiance * incoming.strength * glsl::microfacetShare(surface, n, incoming.wi, wo);
+    }
+    return glm::min(radiance, glm::vec3(65504));
+}
+
+}  // namespace quincunx
