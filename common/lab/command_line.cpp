@@ -256,6 +256,10 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     addFrame(*planCommand, planOptions.draw);
     planCommand->add_option("--model", planOptions.draw.model, "The lab draws this file")->type_name("FILE");
     planCommand->add_flag("--graph", planOptions.graph, "Print the frame's graph for Graphviz instead");
+    planCommand
+        ->add_option("--frames", planOptions.frames,
+                     "Frames that each variant is timed over; without it as many as take some seconds in all")
+        ->check(CLI::Range(1, 10000));
     planCommand->add_flag("--json", planOptions.draw.json, "Machine-readable");
     planCommand->callback([&] {
         if (planOptions.graph && planOptions.draw.json)

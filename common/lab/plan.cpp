@@ -1,6 +1,7 @@
 // The verb `plan`: what a frame does, why, and what each effect costs it.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -22,18 +23,32 @@ using Json = nlohmann::ordered_json;
 /// What a frame costs without some effects.
 struct Measured {
     std::vector<std::string> leftOut = {};
-    std::vector<double> seconds = {};
+    std::vector<double> seconds = {};  ///< frame by frame, in turn with those of the other variants
     std::uint64_t glCalls = 0;
     std::size_t targetBytes = 0;
 
     double median() const { return timingOf(seconds).medianSeconds; }
 };
 
+/// Which of the frames are compared: what the odd ones say is independent of what the even ones say.
+enum class Frames { all, even, odd };
+
+/// The median of what `with` took more than `without`, each pair of frames measured right after one another.
+double addedSeconds(const Measured& with, const Measured& without, Frames frames = Frames::all) {
+    std::vector<double> added;
+    for (std::size_t i = frames == Frames::odd ? 1 : 0; i < with.seconds.size();
+         i += frames == Frames::all ? 1 : 2)
+        added.push_back(with.seconds[i] - without.seconds[i]);
+    return added.empty() ? 0 : timingOf(std::move(added)).medianSeconds;
+}
+
 struct EffectCost {
     std::int64_t glCalls = 0;
     std::int64_t bytes = 0;
-    double seconds = 0;       ///< what switching it on adds to this frame
-    double aloneSeconds = 0;  ///< and to a frame without other effects
+    double seconds = 0;        ///< what switching it on adds to this frame …
+    double firstSeconds = 0;   ///< … by the even ones of the frames that were measured …
+    double secondSeconds = 0;  ///< … and by the odd ones
+    double aloneSeconds = 0;   ///< what it adds to a frame without other effects
 };
 
 /// Leaves nothing out again at its end.
@@ -48,11 +63,11 @@ class LeavingOut {
     Lab& lab_;
 };
 
-/// Variants in turn, round by round, so that what slows the machine down for a while slows all of them.
-void measure(Lab& lab, Studio& studio, const Frame& frame, std::vector<Measured>& variants) {
-    constexpr double patienceSeconds = 6;
-    constexpr int mostFrames = 24;
-    constexpr int rounds = 3;
+/// Variants in turn, frame by frame, so that what slows the machine down for a while slows all of them. Each
+/// is drawn once before it is timed, since it finds the device as the variant before it left it.
+void measure(Lab& lab, Studio& studio, const Frame& frame, std::vector<Measured>& variants, int frames) {
+    constexpr double patienceSeconds = 8;
+    constexpr int mostFrames = 60;
     const LeavingOut restored(lab);
     double once = 0;
     for (Measured& variant : variants) {
@@ -62,16 +77,15 @@ void measure(Lab& lab, Studio& studio, const Frame& frame, std::vector<Measured>
         variant.targetBytes = cost.targetBytes;
         once += studio.time(lab, frame, 1, 0).medianSeconds;
     }
-    const int frames = std::clamp(static_cast<int>(patienceSeconds / (once * rounds)), 1, mostFrames);
-    Progress progress("plan", static_cast<std::size_t>(rounds));
-    for (int round = 0; round < rounds; ++round) {
+    if (frames == 0)
+        frames = std::clamp(static_cast<int>(patienceSeconds / (2 * once)), 2, mostFrames);
+    Progress progress("plan", static_cast<std::size_t>(frames));
+    for (int i = 0; i < frames; ++i) {
         for (Measured& variant : variants) {
             lab.leaveOut(variant.leftOut);
-            studio.time(lab, frame, 1, 0);
-            for (int i = 0; i < frames; ++i)
-                variant.seconds.push_back(studio.time(lab, frame, 1, 0).medianSeconds);
+            variant.seconds.push_back(studio.time(lab, frame, 1, 1).medianSeconds);
         }
-        progress.update(static_cast<std::size_t>(round) + 1);
+        progress.update(static_cast<std::size_t>(i) + 1);
     }
 }
 
@@ -125,7 +139,7 @@ void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options) {
         variants.push_back({.leftOut = calledFor});
     for (const std::string& effect : calledFor)
         variants.push_back({.leftOut = without(calledFor, effect)});
-    measure(lab, studio, frame, variants);
+    measure(lab, studio, frame, variants, options.frames);
     const std::size_t count = calledFor.size();
     const auto costOf = [&](std::size_t i) {
         const Measured& full = variants[0];
@@ -133,7 +147,10 @@ void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options) {
         return EffectCost{
             static_cast<std::int64_t>(full.glCalls) - static_cast<std::int64_t>(less.glCalls),
             static_cast<std::int64_t>(full.targetBytes) - static_cast<std::int64_t>(less.targetBytes),
-            full.median() - less.median(), variants[2 + count + i].median() - variants[1 + count].median()};
+            addedSeconds(full, less),
+            addedSeconds(full, less, Frames::even),
+            addedSeconds(full, less, Frames::odd),
+            addedSeconds(variants[2 + count + i], variants[1 + count])};
     };
 
     std::string text = fmt::format("{} at {}x{}: {:.2f} ms, {} GL calls, {} of targets\n\n", scene,
@@ -152,12 +169,15 @@ void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options) {
                         {"passes", effect.passes},
                         {"gl_calls", own.glCalls},
                         {"milliseconds", own.seconds * 1e3},
+                        {"milliseconds_even_frames", own.firstSeconds * 1e3},
+                        {"milliseconds_odd_frames", own.secondSeconds * 1e3},
                         {"alone_milliseconds", own.aloneSeconds * 1e3},
                         {"memory_bytes", own.bytes}});
         if (effect.calledFor)
-            in += fmt::format("  {:<22} {:>8.2f} ms {:>8.2f} ms alone {:>5} calls {:>9}  {}\n", effect.name,
-                              own.seconds * 1e3, own.aloneSeconds * 1e3, own.glCalls,
-                              bytesText(static_cast<double>(own.bytes)), effect.reason);
+            in += fmt::format("  {:<22} {:>8.2f} ms ± {:<5.2f} {:>8.2f} ms alone {:>5} calls {:>9}  {}\n",
+                              effect.name, own.seconds * 1e3,
+                              0.5e3 * std::abs(own.firstSeconds - own.secondSeconds), own.aloneSeconds * 1e3,
+                              own.glCalls, bytesText(static_cast<double>(own.bytes)), effect.reason);
         else
             out += fmt::format("  {:<22} {}\n", effect.name, effect.reason);
     }

@@ -44,6 +44,7 @@ struct SweepOptions {
 struct PlanOptions {
     DrawOptions draw;
     bool graph = false;  ///< print the frame's graph for Graphviz instead
+    int frames = 0;      ///< that each variant is timed over; 0: as many as take some seconds in all
 };
 
 struct StressOptions {

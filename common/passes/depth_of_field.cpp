@@ -7,6 +7,7 @@
 #include "gl/executor.h"
 #include "passes/fresh_name.h"
 #include "passes/fullscreen.h"
+#include "trace/lens_glsl.h"
 
 namespace quincunx {
 namespace {
@@ -131,10 +132,11 @@ graph::Resource addDepthOfFieldPasses(graph::FrameGraph& graph, graph::Resource 
 }
 
 std::size_t fetchesAPixel(const DepthOfFieldParams& params) {
+    const int taps = glsl::tapsOfDisc(params.maxRadiusPixels + 0.5f, params.taps);
     constexpr std::size_t ofTiles = 1;
     constexpr std::size_t ofLayers = 9 + 2;       // tiles around; the pixel itself
     constexpr std::size_t ofPicture = 4 + 3 * 9;  // the pixel itself; depth and layers around
-    return ofTiles + ofLayers + 4 * static_cast<std::size_t>(params.taps) + ofPicture;
+    return ofTiles + ofLayers + 4 * static_cast<std::size_t>(taps) + ofPicture;
 }
 
 }  // namespace quincunx

@@ -26,7 +26,9 @@ CirclesOfConfusion circlesOfConfusion(const Camera& camera, int heightPixels);
 struct DepthOfFieldParams {
     Camera camera;               ///< that the picture was taken with
     float maxRadiusPixels = 16;  ///< 0 … 128: larger discs are taken as this large
-    int taps = 48;               ///< of each of two layers, 1 … 1024; nine pixels share theirs
+    /// Of each of two layers at least, 1 … 1024; nine pixels share theirs. Discs that hold more texels than
+    /// these get one tap for each.
+    int taps = 48;
 };
 
 /// Adds three passes and returns the picture as the lens shows it, of the format and size of `color`; alpha
@@ -41,7 +43,7 @@ struct DepthOfFieldParams {
 graph::Resource addDepthOfFieldPasses(graph::FrameGraph& graph, graph::Resource color, graph::Resource depth,
                                       const DepthOfFieldParams& params);
 
-/// Texels fetched for a pixel, at most: where nothing is blurred 4 · taps fewer.
+/// Texels fetched for a pixel, at most: where nothing is blurred, only those that are not taps.
 std::size_t fetchesAPixel(const DepthOfFieldParams& params);
 
 }  // namespace quincunx

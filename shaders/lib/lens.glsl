@@ -51,6 +51,12 @@ QUINCUNX_INLINE float spiralShare(int tap, int k, int taps) {
     return (float(tap) + (float(k) + 0.5f) / 9.0f) / float(taps);
 }
 
+// How many taps a disc is worth: `least`, and for large ones as many in a cell as the disc has texels, so that small
+// bright things do not fall between them. Spread evenly along the radius they are half as dense at the rim.
+QUINCUNX_INLINE int tapsOfDisc(float radius, int least) {
+    return int(clamp(ceil(0.35f * radius * radius), float(least), max(float(least), 1024.0f)));
+}
+
 // How much a pixel is averaged with its cell: not at all for discs of up to 2 pixels, which hold fewer texels than there
 // are taps, wholly from 4 pixels on.
 QUINCUNX_INLINE float cellShare(float radius) {

@@ -13,7 +13,7 @@ uniform int tile;       // pixels along a side
 uniform float atNear;   // circle of confusion, pixels
 uniform float atFar;
 uniform float most;
-uniform int taps;       // of each layer
+uniform int taps;       // of each layer, at least
 
 layout(location = 0) out vec4 behind;  // a: the mean radius of the discs of what is before
 layout(location = 1) out vec4 before;  // times how much of the pixel it covers, which is in a
@@ -46,10 +46,11 @@ void main() {
     behind = vec4(lightAt(here), 0.0);
     if (abs(coc) > 0.5) {
         float reach = tapRadius(abs(coc));
+        int count = tapsOfDisc(reach, taps);
         vec4 sum = vec4(0.0);
         vec2 direction = spiralStart(k);
-        for (int i = 0; i < taps; ++i) {
-            vec2 offset = reach * sqrt(spiralShare(i, k, taps)) * direction;
+        for (int i = 0; i < count; ++i) {
+            vec2 offset = reach * sqrt(spiralShare(i, k, count)) * direction;
             ivec2 there = clamp(ivec2(floor(gl_FragCoord.xy + offset)), ivec2(0), last);
             sum += (1.0 - isBefore(cocAt(there), coc)) * vec4(lightAt(there), 1.0);
             direction = spiralNext(direction);
@@ -62,12 +63,13 @@ void main() {
     float nearest = nearestAround(here);
     float reach = max(-nearest, coc) + 0.5;
     if (isBefore(nearest, coc) > 0.0 && reach > 1.0) {
+        int count = tapsOfDisc(reach, taps);
         vec2 direction = spiralStart(k);
-        for (int i = 0; i < taps; ++i) {
+        for (int i = 0; i < count; ++i) {
             // Evenly along the radius: nearest by, where small discs are found, taps are dense; each stands for
             // the ring around it.
-            float away = reach * spiralShare(i, k, taps);
-            float ring = 6.28318531 * reach * away / float(taps);
+            float away = reach * spiralShare(i, k, count);
+            float ring = 6.28318531 * reach * away / float(count);
             vec2 texel = floor(gl_FragCoord.xy + away * direction) + 0.5;
             ivec2 there = clamp(ivec2(texel), ivec2(0), last);
             float cocThere = cocAt(there);

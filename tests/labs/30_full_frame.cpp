@@ -3,9 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "image/compare.h"
 #include "lab/sweep.h"
+#include "lab/verbs.h"
 #include "labs/30_full_frame/lab.h"
 #include "math/transform.h"
 #include "tests/labs/lab_test.h"
@@ -197,6 +199,46 @@ TEST(FullFrame30Lab, BrokenShadersAreSeen) {
         ASSERT_TRUE(shaders.found()) << broken.file;
         EXPECT_GT(rmse(whole, draw()), 0.004) << broken.file;
     }
+}
+
+TEST(FullFrame30Plan, SaysOfEachEffectWhatSwitchingItOnChanges) {
+    // Once by the plan, once by the lab's own knob on a device of its own: what can be counted is equal.
+    const auto lab = quickLab();
+    PlanOptions options;
+    options.draw.backend = gl::Backend::osmesa;
+    options.draw.width = 64;
+    options.draw.height = 48;
+    options.draw.json = true;
+    options.frames = 2;
+    testing::internal::CaptureStdout();
+    plan(*lab, LabEntry{30, "full_frame", nullptr}, options);
+    const auto reply = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+    const auto costWithout = [&](const std::string& effect) {
+        const auto other = quickLab();
+        other->knobs().set({{"without", effect}});
+        Studio studio(gl::Backend::osmesa);
+        return studio.cost(*other, studio.frame(*other, 64, 48), 1);
+    };
+    const Studio::FrameCost full = costWithout("nothing");
+    EXPECT_EQ(reply["gl_calls"], full.glCalls);
+    EXPECT_EQ(reply["memory_bytes"], full.targetBytes);
+    int rows = 0;
+    for (const auto& effect : reply["effects"]) {
+        if (effect["called_for"] == false)
+            continue;
+        ++rows;
+        std::string word = effect["name"];
+        std::replace(word.begin(), word.end(), ' ', '-');
+        const Studio::FrameCost less = costWithout(word);
+        const auto change = [](std::uint64_t with, std::uint64_t without) {
+            return static_cast<std::int64_t>(with) - static_cast<std::int64_t>(without);
+        };
+        EXPECT_EQ(effect["gl_calls"], change(full.glCalls, less.glCalls)) << word;
+        EXPECT_EQ(effect["memory_bytes"], change(full.targetBytes, less.targetBytes)) << word;
+        EXPECT_TRUE(effect["gl_calls"] != 0 || effect["memory_bytes"] != 0 || word == "transparency-order")
+            << word;
+    }
+    EXPECT_GE(rows, 8);
 }
 
 TEST(FullFrame30Goldens, TheEveningIsAsItWas) {

@@ -98,8 +98,10 @@ TEST_F(ProgramJson, OfPlanHoldsEffectsInAndOutWithTheirReasonsAndCosts) {
     EXPECT_GT(reply["memory_bytes"], 0);
     std::set<std::string> in;
     for (const json& effect : reply["effects"]) {
-        EXPECT_THAT(names(effect), IsSupersetOf({"name", "called_for", "reason", "passes", "gl_calls",
-                                                 "milliseconds", "alone_milliseconds", "memory_bytes"}));
+        EXPECT_THAT(names(effect),
+                    IsSupersetOf({"name", "called_for", "reason", "passes", "gl_calls", "milliseconds",
+                                  "milliseconds_even_frames", "milliseconds_odd_frames", "alone_milliseconds",
+                                  "memory_bytes"}));
         EXPECT_NE(effect["reason"], "") << effect;
         if (effect["called_for"] == true) {
             in.insert(effect["name"].get<std::string>());

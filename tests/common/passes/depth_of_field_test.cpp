@@ -195,7 +195,9 @@ TEST_P(DepthOfField, AFocusAnywhereAndAFarPlaneAtInfinityGiveNumbers) {
 }
 
 TEST_P(DepthOfField, CostsTheFetchesAndCallsItSays) {
-    EXPECT_EQ(fetchesAPixel(DepthOfFieldParams{.camera = {}, .taps = 48}), 235u);
+    // 43 besides the taps, of which discs of half a pixel have 48 in each layer, and of 16.5 pixels 96.
+    EXPECT_EQ(fetchesAPixel(DepthOfFieldParams{.camera = {}, .maxRadiusPixels = 0, .taps = 48}), 235u);
+    EXPECT_EQ(fetchesAPixel(DepthOfFieldParams{.camera = {}, .taps = 48}), 427u);
     const Camera camera = stillLifeCamera(0.2f, 9);
     const ForwardView view = forwardView(camera, set_.aspect());
     const auto callsOf = [&](const FilmSet::Effect& effect) {
@@ -311,6 +313,34 @@ TEST_P(DepthOfField, ABlurredThingKeepsItsLightAndSpreadsOverASharpBackground) {
     EXPECT_GT(outside[0], 0.1f);
     EXPECT_LT(inside[0], 0.9f);
     EXPECT_EQ(blurred.pixel(80, 60)[0], 1);
+}
+
+TEST_P(DepthOfField, ASmallBrightThingBecomesAnEvenDisc) {
+    // A ball of three pixels, before the plane of focus and behind it, as a disc of 40 pixels.
+    Scene scene = glowingBall();
+    scene.instances[0].worldFromModel = glm::mat4(glm::mat3(0.06f));
+    FilmSet set(GetParam(), scene, 160, 120);
+    for (const float focus : {infinite, 3.0f}) {
+        const Camera camera = ballCamera(focus, 1.5f);
+        const Image blurred = withDepthOfField(set, {.camera = camera, .maxRadiusPixels = 48});
+        double sum = 0;
+        double squares = 0;
+        int count = 0;
+        for (int y = 0; y < 120; ++y)
+            for (int x = 0; x < 160; ++x)
+                if (std::hypot(x - 79.5, y - 59.5) < 25) {
+                    const auto light = static_cast<double>(blurred.pixel(x, y)[0]);
+                    sum += light;
+                    squares += light * light;
+                    ++count;
+                }
+        const double mean = sum / count;
+        const double deviation = std::sqrt(std::max(squares / count - mean * mean, 0.0));
+        EXPECT_GT(mean, 0);
+        // Measured 0.44 and 0.42; with 48 taps for every disc, 1.43 and 1.33: spots with nothing between
+        // them.
+        EXPECT_LT(deviation, 0.5 * mean) << focus;
+    }
 }
 
 TEST_P(DepthOfField, InfiniteLightIsFiniteAndStaysWhereItsDiscsReach) {
