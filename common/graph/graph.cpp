@@ -365,10 +365,11 @@ std::string FrameGraph::graphviz() const {
     std::string text = "digraph frame {\n  rankdir=LR;\n";
     for (std::size_t r = 0; r < resources_.size(); ++r) {
         const ResourceDescription& resource = resources_[r];
-        text += fmt::format("  r{} [shape=ellipse, label={}{}];\n", r,
-                            asGraphvizString(fmt::format("{}\n{} {}×{}", resource.name, formatName(resource.format),
-                                               resource.width, resource.height)),
-                            isOutput_[r] ? ", peripheries=2" : "");
+        text += fmt::format(
+            "  r{} [shape=ellipse, label={}{}];\n", r,
+            asGraphvizString(fmt::format("{}\n{} {}×{}", resource.name, formatName(resource.format),
+                                         resource.width, resource.height)),
+            isOutput_[r] ? ", peripheries=2" : "");
     }
     for (std::size_t p = 0; p < passes_.size(); ++p) {
         text += fmt::format("  p{} [shape=box, label={}{}];\n", p, asGraphvizString(passes_[p].name),

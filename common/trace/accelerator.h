@@ -83,8 +83,8 @@ inline constexpr Structure allStructures[] = {Structure::bruteForce, Structure::
 std::string_view structureName(Structure structure);
 /// All but Embree always are; that one where its library is installed.
 bool isAvailable(Structure structure);
-/// The same for any number of cores; the hierarchies are built on all of them. Throws where `structure` is not
-/// available.
+/// The same for any number of cores; the hierarchies are built on all of them. Throws where `structure` is
+/// not available.
 std::unique_ptr<Accelerator> makeAccelerator(Structure structure, TriangleView triangles);
 
 }  // namespace quincunx

@@ -135,8 +135,7 @@ void PathTracingLab::traceFrame(const Frame& frame) {
     } else if (render_->samples() != samples) {
         if (render_->samples() > samples)
             render_ = std::make_unique<ProgressiveRender>(scene.paths, settings(frame));
-        renderPaths(*render_,
-                    {.samples = samples, .checkpoint = checkpoint.value()});
+        renderPaths(*render_, {.samples = samples, .checkpoint = checkpoint.value()});
         uploaded_ = false;
     }
     counters_ = {{"rays", render_->counts().rays()}, {"shadow rays", render_->counts().shadowRays}};
