@@ -345,6 +345,11 @@ graph::Resource AccumulationLab::buildPostProcessed(graph::FrameGraph& graph, co
         params.buffers = [this]() -> const SceneBuffers& {
             if (!movingMeshes_)
                 movingMeshes_.emplace(scene_->scene(), SceneBuffers::Layout::shared);
+            std::vector<ObjectBlock> objects;
+            for (const Instance& instance : scene_->scene().instances)
+                objects.push_back(
+                    makeObjectBlock(scene_->scene().materials[instance.material], instance.worldFromModel));
+            movingMeshes_->updateObjects(objects);
             return *movingMeshes_;
         };
         params.maxLengthPixels = std::min(0.25f * pixels, 256.0f);

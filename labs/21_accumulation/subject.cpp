@@ -18,6 +18,7 @@ constexpr float viewTangent = 0.1f;  // half of the view's height over its dista
 constexpr double unitsASecond = 3;
 constexpr double turnsASecond = 0.25;
 constexpr double middleSeconds = 2;
+constexpr double roundSeconds = 4;
 constexpr double edgeDegrees = 17;  // of the still edge, from upright
 constexpr double edgeOffset = 0.013;
 constexpr float lampHeight = 8;
@@ -50,9 +51,8 @@ void addMotion(Scene& scene, Subject subject) {
     Animation animation{.name = "motion"};
     Animation::Sampler keys;
     constexpr int quarters = 4;
-    constexpr float roundSeconds = 4;
     for (int i = 0; i <= quarters; ++i) {
-        const float seconds = roundSeconds * static_cast<float>(i) / quarters;
+        const auto seconds = static_cast<float>(roundSeconds * i / quarters);
         keys.seconds.push_back(seconds);
         const double half = std::numbers::pi * turnsASecond * (static_cast<double>(seconds) - middleSeconds);
         if (turns)
@@ -201,7 +201,7 @@ Image exactEdge(const EdgeSettings& settings, int width, int height) {
     const double lensShare =
         1 - static_cast<double>(distance) / static_cast<double>(settings.camera.focusDistance);
     const double blur = static_cast<double>(settings.camera.apertureRadius) * lensShare;
-    const double since = settings.seconds - middleSeconds;
+    const double since = std::remainder(settings.seconds - middleSeconds, roundSeconds);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             // The pixel's centre, at distance 1 along the view, and in the plane of the sheet.

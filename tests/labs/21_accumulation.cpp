@@ -89,7 +89,7 @@ TEST_P(Accumulation21, NothingSpreadIsTheClosedFormOfAStep) {
     lab.aperture.set(0);
     for (const char* subject : {"moving-edge", "turning-edge", "defocused-edge"}) {
         lab.subject.parse(subject);
-        EXPECT_EQ(edgeError(lab, studio_, 95, 33), 0) << subject;
+        EXPECT_EQ(edgeError(lab, studio_, 96, 33), 0) << subject;
         EXPECT_EQ(lab.counters().at("passes"), 1u) << subject;
     }
 }
@@ -184,7 +184,7 @@ TEST(Accumulation21Convergence, RandomHalvesByFourAndEvenSamplesByTwo) {
         EXPECT_NEAR(convergenceOf(lab, studio, even, passes, 4).slope, -1, 0.2) << static_cast<int>(even);
     // An edge in two dimensions, lens or lamp: -3/4 in theory for jittered samples, steeper for Sobol' ones.
     lab.subject.parse("defocused-edge");
-    EXPECT_NEAR(convergenceOf(lab, studio, SamplePattern::random, passes, 4).slope, -0.5, 0.2);
+    EXPECT_NEAR(convergenceOf(lab, studio, SamplePattern::random, passes, 24).slope, -0.5, 0.15);
     EXPECT_NEAR(convergenceOf(lab, studio, SamplePattern::jittered, passes, 4).slope, -0.75, 0.2);
     EXPECT_LT(convergenceOf(lab, studio, SamplePattern::sobol, passes, 4).slope, -0.65);
 }
@@ -356,7 +356,7 @@ TEST(Accumulation21Methods, OnePictureAndItsDepthsComeNearManyPictures) {
         lab->shutter.set(0);
         lab->aperture.set(0);
         const double sharp = rmse(many, studio.linearPicture(*lab, frame));
-        EXPECT_LT(made, 0.75 * sharp) << effect.off.name();
+        EXPECT_LT(made, 0.9 * sharp) << effect.off.name();
         EXPECT_GT(made, 0.001) << "what was hidden stays hidden";
     }
 }
@@ -391,7 +391,7 @@ double verdict(const Mutation& mutation) {
 TEST(Accumulation21Mutations, EveryBrokenShaderIsNoticed) {
     for (const Mutation& mutation :
          {Mutation{"passes/accumulate_add.frag", "* weight", "", "weighted"},
-          Mutation{"passes/accumulate_fold.frag", "before + added", "added", "compensated"},
+          Mutation{"passes/accumulate_fold.frag", "texelFetch(block, pixel, 0) + ", "", "compensated"},
           Mutation{"passes/accumulate_show.frag", "sum / divisor", "sum", "compensated"},
           Mutation{"passes/accumulate_show.frag", "hasTotal != 0", "hasTotal == 0", "compensated"},
           Mutation{"passes/phong.vert", "clipFromWorld * position", "position", "compensated"}}) {
@@ -461,7 +461,8 @@ TEST(Accumulation21Sweeps, ErrorsFallWithThePassesAndEightBitsDoNot) {
             return sweep.measure(studio, frame).error;
         };
         EXPECT_LT(errorOf("rgba32f", "compensated", "256"), 0.25 * errorOf("rgba32f", "compensated", "16"));
-        EXPECT_GT(errorOf("rgba8", "weighted", "256"), 10 * errorOf("rgba32f", "compensated", "256"));
+        // A share of 1/1024 is less than half a step of 8 bits: black.
+        EXPECT_GT(errorOf("rgba8", "weighted", "1024"), 0.5);
     }
 }
 
