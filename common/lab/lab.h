@@ -34,6 +34,8 @@ struct Frame {
     /// In a window: a picture that converges may be shown as far as it has come, and be gone on with in the
     /// frames that follow (Lab::isConverging). Elsewhere every frame is whole.
     bool live = false;
+    /// Drawn to make programs ready; nobody looks at it, and it may be as rough as is cheap.
+    bool unseen = false;
 };
 
 /// A figure with what it must be.

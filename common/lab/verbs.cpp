@@ -93,6 +93,7 @@ void warmUp(Studio& studio, Lab& lab, Frame frame) {
     constexpr int reduction = 32;
     frame.width = std::max(frame.width / reduction, 1);
     frame.height = std::max(frame.height / reduction, 1);
+    frame.unseen = true;
     studio.time(lab, frame, 1, 0);
 }
 

@@ -48,6 +48,11 @@ class AccumulationLab final : public Lab {
                        {"toys", "edge", "moving-edge", "turning-edge", "defocused-edge", "penumbra"},
                        0,
                        "Toys on a table, or an edge that one effect blurs, in closed form"};
+    ChoiceKnob method{knobs(),
+                      "method",
+                      {"accumulated", "post-processed"},
+                      0,
+                      "Many pictures added up, or one picture blurred by its depths and velocities"};
     IntKnob passes{knobs(), "passes", 64, {1, 65536, true}, "", "Pictures that are added up"};
     ChoiceKnob samples{knobs(),
                        "samples",
@@ -70,11 +75,6 @@ class AccumulationLab final : public Lab {
     ChoiceKnob buffer{knobs(), "buffer", {"rgba8", "rgba16f", "rgba32f"}, 2, "What the sum is kept in"};
     IntKnob block{knobs(),         "block",  16,
                   {1, 1024, true}, "passes", "Added by blending before a compensated sum"};
-    ChoiceKnob method{knobs(),
-                      "method",
-                      {"accumulated", "post-processed"},
-                      0,
-                      "Many pictures added up, or one picture blurred by its depths and velocities"};
     IntKnob taps{knobs(),         "taps", 48,
                  {1, 1024, true}, "",     "Of each layer, where a picture is post-processed"};
     IntKnob perFrame{knobs(), "per-frame", 4, {1, 1024, true}, "passes", "Drawn at a time in a window"};

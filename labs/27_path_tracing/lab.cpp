@@ -17,6 +17,16 @@ namespace {
 constexpr int samplesAFrame = 1;
 constexpr int termSamples = 2048;
 
+/// Rays that a tree has at its last level, at most: each level has `branches` times those of the one before.
+constexpr int mostLeaves = 1024;
+
+int treeDepth(int bounces, int branches) {
+    int depth = 0;
+    for (int leaves = 1; depth < bounces && leaves <= mostLeaves / branches && depth < 8; ++depth)
+        leaves *= branches;
+    return depth;
+}
+
 float luminance(glm::vec3 c) {
     return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b;
 }
@@ -104,7 +114,7 @@ RenderSettings PathTracingLab::settings(const Frame& frame) const {
             .camera = fittedToAspect(frame.camera,
                                      static_cast<float>(frame.width) / static_cast<float>(frame.height)),
             .method = way == Method::tree ? PathMethod::nee : static_cast<PathMethod>(method.index()),
-            .limits = way == Method::tree ? PathLimits{std::min<int>(bounces, 8), 0, 0} : limits(),
+            .limits = way == Method::tree ? PathLimits{treeDepth(bounces, branches), 0, 0} : limits(),
             .numbers = numbers.as<PathSampler::Kind>(),
             .seed = frame.seed,
             .branches = way == Method::tree ? branches : 0,
@@ -135,7 +145,9 @@ void PathTracingLab::traceFrame(const Frame& frame) {
     } else if (render_->samples() != samples) {
         if (render_->samples() > samples)
             render_ = std::make_unique<ProgressiveRender>(scene.paths, settings(frame));
-        renderPaths(*render_, {.samples = samples, .checkpoint = checkpoint.value()});
+        renderPaths(*render_, {.samples = frame.unseen ? 1 : samples,
+                               .checkpoint = frame.unseen ? std::string() : checkpoint.value(),
+                               .stop = &interruptFlag()});
         uploaded_ = false;
     }
     counters_ = {{"rays", render_->counts().rays()}, {"shadow rays", render_->counts().shadowRays}};

@@ -57,7 +57,10 @@ class PathTracingLab final : public Lab {
     IntKnob samples{knobs(), "samples", 16, {1, 65536, true}, "a pixel", "Paths, or trees, averaged"};
     IntKnob refine{knobs(),          "refine",  4096,
                    {1, 65536, true}, "a pixel", "How far a window goes on by itself"};
-    IntKnob bounces{knobs(), "bounces", 64, {0, 1000}, "", "Surfaces that light is scattered at, most"};
+    IntKnob bounces{
+        knobs(), "bounces",
+        64,      {0, 1000},
+        "",      "Surfaces that light is scattered at, most; a tree ends where it has 1024 leaves"};
     FloatKnob roulette{knobs(), "roulette", 1,
                        {0, 1},  "",         "Paths of less weight end by Russian roulette; 0: none do"};
     FloatKnob cutoff{knobs(), "cutoff", 0, {0, 1}, "", "Paths of less weight are dropped: dark, and wrong"};

@@ -45,8 +45,9 @@ Sweep methodSweep(PathTracingLab& lab) {
                                         {"bounces", "6"},
                                         {"branches", "3"}});
     const auto exact = std::make_shared<Image>();
-    sweep.measure = [&lab, exact](Studio&, const Frame& frame) {
+    sweep.measure = [&lab, exact](Studio&, Frame frame) {
         const PathStage& stage = lab.stage();
+        frame.camera = stage.camera;
         if (exact->width != frame.width || exact->height != frame.height) {
             // The mean of two ways: neither is held against itself.
             RenderSettings settings = lab.settings(frame);
@@ -100,8 +101,10 @@ Sweep endingSweep(PathTracingLab& lab) {
     for (const char* bounces : {"2", "8", "32"})
         add("0", "0", bounces);
     sweep.measure = [&lab](Studio&, const Frame& frame) {
+        Frame within = frame;
+        within.camera = lab.stage().camera;
         Image picture;
-        SweepSample sample = timedRender(lab.stage(), lab.settings(frame), lab.samples, picture);
+        SweepSample sample = timedRender(lab.stage(), lab.settings(within), lab.samples, picture);
         Image exact = picture;
         const auto light = static_cast<float>(furnaceRadiance(static_cast<double>(lab.albedo)));
         for (std::size_t i = 0; i < exact.data.size(); ++i)

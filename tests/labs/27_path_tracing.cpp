@@ -66,6 +66,8 @@ TEST(PathTracing27, EveryKnobChangesThePicture) {
         const auto lab = smallLab(subject);
         if (std::string(name) == "branches")
             lab->method.parse("tree");
+        if (std::string(subject) == "furnace")
+            lab->exposure.set(0.05f);
         if (name[0] != '\0')
             lab->knobs().find(name).parse(value);
         return studio.picture(*lab, studio.frame(*lab, 40, 30));
@@ -197,7 +199,7 @@ TEST(PathTracing27, DirectLightIsWhatOpenGlDraws) {
             off.push_back(largest);
         }
     std::sort(off.begin(), off.end());
-    ASSERT_GT(off.size(), 5000u);
+    ASSERT_GT(off.size(), 4000u);
     // Nine of ten pixels are the same but for rounding; the rest lie at the edges of shadows, which the maps
     // sample, and at outlines.
     EXPECT_LT(off[off.size() / 2], 1e-5);

@@ -150,7 +150,7 @@ TEST_P(EveryLab, HasAWindowWhoseKnobsFollowTheirControlsAndRightClickPutsThemBac
         }
     EXPECT_LE(largestDifference(seen, window.replay(shot)), sameDriver);
 
-    for (std::size_t i = 0; i < knobs.size(); ++i) {
+    for (const std::size_t i : operated) {
         const Area area = control(window, i);
         window.click(area.x + area.height / 2, area.y + area.height / 2, 3);
     }
