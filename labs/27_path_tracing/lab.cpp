@@ -18,7 +18,7 @@ constexpr int samplesAFrame = 1;
 constexpr int termSamples = 2048;
 
 /// Rays that a tree has at its last level, at most: each level has `branches` times those of the one before.
-constexpr int mostLeaves = 1024;
+constexpr int mostLeaves = 64;
 
 int treeDepth(int bounces, int branches) {
     int depth = 0;
@@ -121,15 +121,6 @@ RenderSettings PathTracingLab::settings(const Frame& frame) const {
             .clamp = clamp};
 }
 
-bool PathTracingLab::isMoving() const {
-    return !render_ || render_->samples() < std::max<int>(samples, refine);
-}
-
-bool PathTracingLab::advance(double, const HeldSeconds&) {
-    live_ = true;
-    return isMoving();
-}
-
 void PathTracingLab::traceFrame(const Frame& frame) {
     const PathStage& scene = stage();
     auto fresh = std::make_unique<ProgressiveRender>(scene.paths, settings(frame));
@@ -137,17 +128,15 @@ void PathTracingLab::traceFrame(const Frame& frame) {
         render_ = std::move(fresh);
         uploaded_ = false;
     }
-    if (live_) {
-        if (render_->samples() < std::max<int>(samples, refine)) {
+    if (render_->samples() > samples)
+        render_ = std::make_unique<ProgressiveRender>(scene.paths, settings(frame));
+    if (render_->samples() < samples) {
+        if (frame.live)
             render_->addSamples(samplesAFrame);
-            uploaded_ = false;
-        }
-    } else if (render_->samples() != samples) {
-        if (render_->samples() > samples)
-            render_ = std::make_unique<ProgressiveRender>(scene.paths, settings(frame));
-        renderPaths(*render_, {.samples = frame.unseen ? 1 : samples,
-                               .checkpoint = frame.unseen ? std::string() : checkpoint.value(),
-                               .stop = &interruptFlag()});
+        else
+            renderPaths(*render_, {.samples = frame.unseen ? 1 : samples,
+                                   .checkpoint = frame.unseen ? std::string() : checkpoint.value(),
+                                   .stop = &interruptFlag()});
         uploaded_ = false;
     }
     counters_ = {{"rays", render_->counts().rays()}, {"shadow rays", render_->counts().shadowRays}};

@@ -34,9 +34,7 @@ class PathTracingLab final : public Lab {
     void markIdleKnobs() override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
-    /// In a window the picture goes on getting better.
-    bool isMoving() const override;
-    bool advance(double seconds, const HeldSeconds& held) override;
+    bool isConverging() const override { return render_ && render_->samples() < samples; }
     ReferenceJob reference(const Frame& frame) const override;
     std::string referenceName() const override { return "the furnace's light in closed form"; }
     std::vector<Question> questions() override;
@@ -54,13 +52,11 @@ class PathTracingLab final : public Lab {
                       {"naive", "nee", "mis", "tree"},
                       2,
                       "Light found by chance, by shadow rays, by both; or a tree of rays"};
-    IntKnob samples{knobs(), "samples", 16, {1, 65536, true}, "a pixel", "Paths, or trees, averaged"};
-    IntKnob refine{knobs(),          "refine",  4096,
-                   {1, 65536, true}, "a pixel", "How far a window goes on by itself"};
+    IntKnob samples{knobs(), "samples", 16, {1, 4096, true}, "a pixel", "Paths, or trees, averaged"};
     IntKnob bounces{
         knobs(), "bounces",
         64,      {0, 1000},
-        "",      "Surfaces that light is scattered at, most; a tree ends where it has 1024 leaves"};
+        "",      "Surfaces that light is scattered at, most; a tree ends where it has 64 leaves"};
     FloatKnob roulette{knobs(), "roulette", 1,
                        {0, 1},  "",         "Paths of less weight end by Russian roulette; 0: none do"};
     FloatKnob cutoff{knobs(), "cutoff", 0, {0, 1}, "", "Paths of less weight are dropped: dark, and wrong"};
@@ -93,7 +89,6 @@ class PathTracingLab final : public Lab {
     std::unique_ptr<PathStage> stage_;
     std::pair<int, float> staged_{-1, 0};
     std::unique_ptr<ProgressiveRender> render_;
-    bool live_ = false;  ///< a window has asked to go on
     bool uploaded_ = false;
     std::uint64_t termsOf_ = 0;
     std::pair<float, float> picked_{-1, -1};
