@@ -26,7 +26,8 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 # builds without them, where a missing include shows. So do builds with ccache, which keeps what it can compare
 # with the text of all headers.
 # Libraries are position-independent (-fPIC), programs only as a whole (-fPIE): each has its own.
-if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
+option(QUINCUNX_PRECOMPILE "Precompile the headers of other libraries" OFF)
+if(NOT QUINCUNX_PRECOMPILE OR CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
 function(quincunx_precompile target)

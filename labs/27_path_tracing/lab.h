@@ -53,10 +53,9 @@ class PathTracingLab final : public Lab {
                       2,
                       "Light found by chance, by shadow rays, by both; or a tree of rays"};
     IntKnob samples{knobs(), "samples", 16, {1, 4096, true}, "a pixel", "Paths, or trees, averaged"};
-    IntKnob bounces{
-        knobs(), "bounces",
-        64,      {0, 1000},
-        "",      "Surfaces that light is scattered at, most; a tree ends where it has 64 leaves"};
+    IntKnob bounces{knobs(), "bounces",
+                    64,      {0, 1000},
+                    "",      "Surfaces that light is scattered at, most; a tree ends where it has 64 leaves"};
     FloatKnob roulette{knobs(), "roulette", 1,
                        {0, 1},  "",         "Paths of less weight end by Russian roulette; 0: none do"};
     FloatKnob cutoff{knobs(), "cutoff", 0, {0, 1}, "", "Paths of less weight are dropped: dark, and wrong"};
