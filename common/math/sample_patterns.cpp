@@ -135,6 +135,17 @@ void fillGrid(std::span<double> points, std::size_t dimensions, std::size_t firs
 
 }  // namespace
 
+std::string_view samplePatternName(SamplePattern pattern) {
+    return samplePatternNames[static_cast<std::size_t>(pattern)];
+}
+
+std::optional<SamplePattern> samplePatternOfName(std::string_view name) {
+    const auto found = std::find(samplePatternNames.begin(), samplePatternNames.end(), name);
+    if (found == samplePatternNames.end())
+        return std::nullopt;
+    return allSamplePatterns[static_cast<std::size_t>(found - samplePatternNames.begin())];
+}
+
 SampleGrid sampleGrid(std::size_t count) {
     QX_CHECK_GE(count, 1u);
     auto rows = static_cast<std::size_t>(std::sqrt(static_cast<double>(count)));
@@ -204,6 +215,7 @@ glm::dvec2 pointOnDisc(glm::dvec2 square) {
 
 std::vector<double> samplePoints(SamplePattern pattern, std::size_t count, std::span<const int> groups,
                                  std::uint64_t seed) {
+    QX_CHECK_LT(static_cast<std::size_t>(pattern), patternsOfAnyDimension);
     QX_CHECK_LE(count, std::size_t{1} << 32);
     std::size_t dimensions = 0;
     for (const int size : groups) {
@@ -245,6 +257,9 @@ std::vector<double> samplePoints(SamplePattern pattern, std::size_t count, std::
                     points[i * dimensions + d] = (static_cast<double>(bits) + 0.5) * 0x1p-32;
                 }
             }
+            break;
+        case SamplePattern::nRooks:
+        case SamplePattern::quincunx:
             break;
     }
     return points;

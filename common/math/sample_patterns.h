@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -18,14 +20,26 @@ enum class SamplePattern {
     random,    ///< each number for itself
     jittered,  ///< one at random in each cell of a grid (Cook, Porter, Carpenter, SIGGRAPH 1984)
     halton,    ///< radical inverses in the first primes, digits permuted (Matoušek, J. Complexity 14, 1998)
-    sobol,  ///< Sobol' points, scrambled (Owen, "Randomly permuted (t,m,s)-nets and (t,s)-sequences", 1995)
+    sobol,    ///< Sobol' points, scrambled (Owen, "Randomly permuted (t,m,s)-nets and (t,s)-sequences", 1995)
+    nRooks,   ///< in the square alone: one in each of `count` columns and rows (Shirley 1991)
+    quincunx  ///< in the square alone: the corners of cells and their centres
 };
-inline constexpr std::array samplePatternNames = {"regular", "random", "jittered", "halton", "sobol"};
+inline constexpr std::array allSamplePatterns = {
+    SamplePattern::regular, SamplePattern::random, SamplePattern::jittered, SamplePattern::halton,
+    SamplePattern::sobol,   SamplePattern::nRooks, SamplePattern::quincunx};
+inline constexpr std::array samplePatternNames = {"regular", "random",  "jittered", "halton",
+                                                  "sobol",   "n-rooks", "quincunx"};
+/// So many of the first ones are known for any number of dimensions.
+inline constexpr std::size_t patternsOfAnyDimension = 5;
+
+std::string_view samplePatternName(SamplePattern pattern);
+std::optional<SamplePattern> samplePatternOfName(std::string_view name);
 
 inline constexpr int mostSampleDimensions = 8;
 
 /// `count` points of as many dimensions as the groups have together, point after point. A group is one number
-/// or a pair of them, such as the two coordinates on a lens; at most `mostSampleDimensions` in all.
+/// or a pair of them, such as the two coordinates on a lens; at most `mostSampleDimensions` in all. `pattern`
+/// is one of the `patternsOfAnyDimension`.
 ///
 /// Grids are made for each group on its own: `count` cells in a row, or columns × rows for a pair, the most
 /// square that divides `count` without rest (a prime has one row only). Which cell of one group meets which

@@ -1,42 +1,20 @@
 #include "trace/sample_patterns.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
 
 #include "base/check.h"
 
 namespace quincunx {
 namespace {
 
-constexpr std::array<std::pair<SamplePattern, std::string_view>, 7> names{{
-    {SamplePattern::regular, "regular"},
-    {SamplePattern::random, "random"},
-    {SamplePattern::jittered, "jittered"},
-    {SamplePattern::nRooks, "n-rooks"},
-    {SamplePattern::halton, "halton"},
-    {SamplePattern::sobol, "sobol"},
-    {SamplePattern::quincunx, "quincunx"},
-}};
-
 std::uint32_t reversedBits(std::uint32_t x) {
     x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
     x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
     x = (x & 0x0f0f0f0fu) << 4 | (x >> 4 & 0x0f0f0f0fu);
     return __builtin_bswap32(x);
-}
-
-/// The second dimension of Sobol's sequence: its generator matrix is Pascal's triangle modulo 2, so that each
-/// column is the one before it plus that shifted by a bit.
-std::uint32_t secondSobol(std::uint32_t index) {
-    std::uint32_t result = 0;
-    for (std::uint32_t column = 0x80000000u; index != 0; index >>= 1, column ^= column >> 1)
-        if ((index & 1) != 0)
-            result ^= column;
-    return result;
 }
 
 /// Each bit is flipped or not by a hash of the bits below it: products with even numbers, added to what was
@@ -49,12 +27,8 @@ std::uint32_t permutedFromBelow(std::uint32_t x, std::uint32_t seed) {
     x ^= x * 0x8d22f6e6u;
     return x;
 }
-std::uint32_t owenScrambled(std::uint32_t x, std::uint32_t seed) {
+std::uint32_t hashScrambled(std::uint32_t x, std::uint32_t seed) {
     return reversedBits(permutedFromBelow(reversedBits(x), seed));
-}
-
-std::uint32_t hashed(std::uint64_t x) {
-    return static_cast<std::uint32_t>(Random(x).bits() >> 32);
 }
 
 /// Owen's scrambling as defined: each bit flipped by an independent random bit of its node in the tree.
@@ -63,18 +37,15 @@ std::uint32_t treeScrambled(std::uint32_t x, std::uint64_t seed) {
     for (unsigned bit = 0; bit < 32; ++bit) {
         const std::uint64_t above = bit == 0 ? 0 : x >> (32 - bit);
         const std::uint64_t node = (std::uint64_t{1} << bit) | above;
-        flips |= (hashed(seed + 0x9e3779b97f4a7c15u * node) >> 31) << (31 - bit);
+        flips |= static_cast<std::uint32_t>(Random(seed + 0x9e3779b97f4a7c15u * node).bits() >> 63)
+                 << (31 - bit);
     }
     return x ^ flips;
 }
 
 /// The radical inverse of `index` in base 3, times 2^32.
 std::uint32_t ternaryInverse(std::uint32_t index) {
-    double result = 0;
-    double digit = 0x1p32;
-    for (; index != 0; index /= 3)
-        result += (digit /= 3) * (index % 3);
-    return static_cast<std::uint32_t>(std::min(result, 0x1p32 - 1));
+    return static_cast<std::uint32_t>(radicalInverse(3, index) * 0x1p32);
 }
 
 /// Calls `place(row, column, columns, from, to)` for each of `count` cells of equal area; the row lies
@@ -104,21 +75,6 @@ void appendLattice(std::vector<glm::vec2>& points, std::uint32_t count, double x
 }
 
 }  // namespace
-
-std::string_view samplePatternName(SamplePattern pattern) {
-    for (const auto& [known, name] : names)
-        if (known == pattern)
-            return name;
-    QX_CHECK(false);
-    return {};
-}
-
-std::optional<SamplePattern> samplePatternOfName(std::string_view name) {
-    for (const auto& [pattern, known] : names)
-        if (known == name)
-            return pattern;
-    return std::nullopt;
-}
 
 std::vector<glm::vec2> samplePattern(SamplePattern pattern, std::size_t count, std::uint64_t seed) {
     QX_CHECK(count <= std::size_t{1} << 24);
@@ -168,8 +124,8 @@ std::vector<glm::vec2> samplePattern(SamplePattern pattern, std::size_t count, s
             const std::uint64_t seedX = random.bits();
             const std::uint64_t seedY = random.bits();
             for (std::uint32_t i = 0; i < size; ++i)
-                points.emplace_back(unitFloat(treeScrambled(reversedBits(i), seedX)),
-                                    unitFloat(treeScrambled(secondSobol(i), seedY)));
+                points.emplace_back(unitFloat(treeScrambled(sobol(i, 0), seedX)),
+                                    unitFloat(treeScrambled(sobol(i, 1), seedY)));
             break;
         }
         case SamplePattern::quincunx:
@@ -228,9 +184,9 @@ float jitterCellNaive(std::uint32_t cell, std::uint32_t cells, float u) {
 glm::vec2 PathSampler::sobolPoint(std::uint32_t index, std::uint64_t hash) {
     const auto high = static_cast<std::uint32_t>(hash >> 32);
     const auto low = static_cast<std::uint32_t>(hash);
-    const std::uint32_t shuffled = owenScrambled(index, high ^ 0x5bd1e995u);
-    return {unitFloat(owenScrambled(reversedBits(shuffled), high)),
-            unitFloat(owenScrambled(secondSobol(shuffled), low))};
+    const std::uint32_t shuffled = hashScrambled(index, high ^ 0x5bd1e995u);
+    return {unitFloat(hashScrambled(reversedBits(shuffled), high)),
+            unitFloat(hashScrambled(sobol(shuffled, 1), low))};
 }
 
 }  // namespace quincunx

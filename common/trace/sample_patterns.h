@@ -2,27 +2,17 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 #include "base/random.h"
+#include "math/sample_patterns.h"
 
 /// Sets of points in the unit square, and the numbers that a path is made of. All are the same for the same
 /// arguments on every machine and for any number of threads; every number is a multiple of 2^-24 in [0, 1),
 /// cells' edges apart.
 namespace quincunx {
-
-enum class SamplePattern { regular, random, jittered, nRooks, halton, sobol, quincunx };
-inline constexpr SamplePattern allSamplePatterns[] = {
-    SamplePattern::regular, SamplePattern::random, SamplePattern::jittered, SamplePattern::nRooks,
-    SamplePattern::halton,  SamplePattern::sobol,  SamplePattern::quincunx};
-
-/// "regular", "random", "jittered", "n-rooks", "halton", "sobol", "quincunx".
-std::string_view samplePatternName(SamplePattern pattern);
-std::optional<SamplePattern> samplePatternOfName(std::string_view name);
 
 /// `count` points of equal weight, any count (at most 2^24).
 ///

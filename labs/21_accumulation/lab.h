@@ -56,7 +56,7 @@ class AccumulationLab final : public Lab {
     IntKnob passes{knobs(), "passes", 64, {1, 65536, true}, "", "Pictures that are added up"};
     ChoiceKnob samples{knobs(),
                        "samples",
-                       {samplePatternNames.begin(), samplePatternNames.end()},
+                       {samplePatternNames.begin(), samplePatternNames.begin() + patternsOfAnyDimension},
                        static_cast<int>(SamplePattern::sobol),
                        "How the passes are spread over pixel, lens, light and time"};
     BoolKnob antialias{knobs(), "antialias", true, "Each pass a fraction of a pixel aside"};

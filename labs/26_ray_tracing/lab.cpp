@@ -47,7 +47,7 @@ WhittedSettings RayTracingLab::settings() const {
     settings.maxDepth = maxDepth;
     settings.minWeight = minWeight;
     settings.shadowRays = shadowRays;
-    settings.pattern = allSamplePatterns[static_cast<std::size_t>(pattern.index())];
+    settings.pattern = samplePatternOfName(pattern.text()).value();
     settings.shadowCache = shadowCache;
     settings.pixelSamples = supersample;
     return settings;
