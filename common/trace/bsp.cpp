@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "trace/mailbox.h"
+#include "trace/shown_triangles.h"
 #include "trace/slabs.h"
-#include "trace/triangle_filter.h"
 #include "trace/triangle_items.h"
 
 namespace quincunx {
@@ -155,34 +155,13 @@ void Bsp::search(const Ray& ray, RayInterval interval, TraversalCounts* counts, 
 
 std::optional<AcceleratorHit> Bsp::nearest(const Ray& ray, RayInterval interval,
                                            TraversalCounts* counts) const {
-    detail::NearestHit nearest(ray, interval);
-    const auto filter = detail::filterRay(ray, interval, box_);
-    const float tMin = detail::filterMin(interval.tMin);
-    double limit = infinity;
-    search(ray, interval, counts, [&](std::uint32_t i) {
-        const Triangle triangle = triangles_[i];
-        if (filter && !detail::mayHit(*filter, triangle, tMin, detail::filterMax(nearest.tMax())))
-            return limit;
-        nearest.test(triangle, i);
-        if (nearest.hit())  // t is off by 2^-34 of itself
-            limit = nearest.hit()->t + 0x1p-33 * std::abs(nearest.hit()->t);
-        return limit;
-    });
-    return nearest.hit();
+    return detail::nearestShown(triangles_, box_, ray, interval,
+                                [&](const auto& test) { search(ray, interval, counts, test); });
 }
 
 bool Bsp::occluded(const Ray& ray, RayInterval interval, TraversalCounts* counts) const {
-    detail::AnyHit any(ray, interval);
-    const auto filter = detail::filterRay(ray, interval, box_);
-    const float tMin = detail::filterMin(interval.tMin);
-    const float tMax = detail::filterMax(interval.tMax);
-    bool found = false;
-    search(ray, interval, counts, [&](std::uint32_t i) {
-        const Triangle triangle = triangles_[i];
-        found = (!filter || detail::mayHit(*filter, triangle, tMin, tMax)) && any.test(triangle);
-        return found ? -infinity : infinity;
-    });
-    return found;
+    return detail::anyShown(triangles_, box_, ray, interval,
+                            [&](const auto& test) { search(ray, interval, counts, test); });
 }
 
 std::size_t Bsp::memoryBytes() const {
