@@ -1,22 +1,21 @@
 #include "trace/texture_lookup.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "image/color.h"
+#include "image/texture_unit.h"
 
 namespace quincunx {
 namespace {
 
-/// The texel that a texel's number, any whole one, is repeated as.
-int wrapped(double texel, int size, Texture::Wrap wrap) {
-    const double count = size;
-    if (wrap == Texture::Wrap::clampToEdge)
-        return static_cast<int>(std::clamp(texel, 0.0, count - 1));
-    if (wrap == Texture::Wrap::repeat)
-        return std::min(static_cast<int>(texel - count * std::floor(texel / count)), size - 1);
-    const double along = texel - 2 * count * std::floor(texel / (2 * count));
-    return std::clamp(static_cast<int>(along < count ? along : 2 * count - 1 - along), 0, size - 1);
+TextureWrap wrapOf(Texture::Wrap wrap) {
+    switch (wrap) {
+        case Texture::Wrap::repeat:
+            return TextureWrap::repeat;
+        case Texture::Wrap::mirroredRepeat:
+            return TextureWrap::mirroredRepeat;
+        case Texture::Wrap::clampToEdge:
+            break;
+    }
+    return TextureWrap::clampToEdge;
 }
 
 glm::vec4 texelOf(const Image8& image, int x, int y) {
@@ -43,20 +42,18 @@ glm::vec4 lookUp(const Texture& texture, glm::vec2 st) {
     const Image8& image = texture.image;
     if (image.pixelCount() == 0)
         return glm::vec4(1);
-    const double s = std::isfinite(st.x) ? static_cast<double>(st.x) * image.width : 0;
-    const double t = std::isfinite(st.y) ? static_cast<double>(st.y) * image.height : 0;
-    const auto texel = [&](double x, double y) {
-        return texelOf(image, wrapped(x, image.width, texture.wrapS),
-                       wrapped(y, image.height, texture.wrapT));
-    };
+    const TextureWrap wrapS = wrapOf(texture.wrapS);
+    const TextureWrap wrapT = wrapOf(texture.wrapT);
     if (texture.magnification == Texture::Filter::nearest)
-        return texel(std::floor(s), std::floor(t));
-    const double left = std::floor(s - 0.5);
-    const double top = std::floor(t - 0.5);
-    const auto x = static_cast<float>(s - 0.5 - left);
-    const auto y = static_cast<float>(t - 0.5 - top);
-    return glm::mix(glm::mix(texel(left, top), texel(left + 1, top), x),
-                    glm::mix(texel(left, top + 1), texel(left + 1, top + 1), x), y);
+        return texelOf(image, nearestTexel(st.x, image.width, wrapS),
+                       nearestTexel(st.y, image.height, wrapT));
+    const LinearTexels x = linearTexels(st.x, image.width, wrapS);
+    const LinearTexels y = linearTexels(st.y, image.height, wrapT);
+    const auto row = [&](int texel) {
+        return glm::mix(texelOf(image, x.first, texel), texelOf(image, x.second, texel),
+                        static_cast<float>(x.share));
+    };
+    return glm::mix(row(y.first), row(y.second), static_cast<float>(y.share));
 }
 
 }  // namespace quincunx

@@ -174,10 +174,8 @@ std::optional<double> meetBall(const dvec3& origin, const dvec3& direction, cons
 }
 
 /// Any unit vector orthogonal to a unit vector.
-glm::vec3 orthogonalTo(glm::vec3 n) {
-    const float sign = std::copysign(1.0f, n.z);
-    const float a = -1 / (sign + n.z);
-    return {1 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x};
+glm::vec3 tangentAt(glm::vec3 normal) {
+    return basisAround(normal).value_or(glm::mat3(1))[0];
 }
 
 /// The side that leads away from a surface along `direction`, moved until `reach`, a box about the origin,
@@ -604,7 +602,7 @@ SurfacePoint TraceScene::Parts::onTriangle(const Ray&, const Found& found) const
         point.color =
             w.x * mesh.colors[corner[0]] + w.y * mesh.colors[corner[1]] + w.z * mesh.colors[corner[2]];
     bendNormal(point, corner);
-    point.tangent = orthogonalTo(point.shadingNormal);
+    point.tangent = tangentAt(point.shadingNormal);
     return point;
 }
 
@@ -634,7 +632,7 @@ SurfacePoint TraceScene::Parts::onSolid(const Ray& ray, const Found& found) cons
     point.positionError += std::numeric_limits<float>::denorm_min();
     point.geometricNormal = glm::vec3(normal);
     point.shadingNormal = point.geometricNormal;
-    point.tangent = orthogonalTo(point.shadingNormal);
+    point.tangent = tangentAt(point.shadingNormal);
     point.front = glm::dot(normal, dvec3(ray.direction)) < 0;
     const Material& material = scene.materials[point.material];
     if (!material.baseColorTexture && !material.metallicRoughnessTexture && !material.emissionTexture &&
