@@ -6,19 +6,17 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/progress.h"
+#include "lab/json.h"
 #include "lab/studio.h"
 #include "lab/verbs.h"
 #include "scene/import.h"
 
 namespace quincunx {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// What a frame costs without some effects.
 struct Measured {
@@ -203,7 +201,7 @@ void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options) {
                     {"gl_calls", cost.glCalls},
                     {"milliseconds", variants[0].median() * 1e3},
                     {"memory_bytes", cost.targetBytes}};
-    print(draw.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : text);
+    print(draw.json ? dump(json) : text);
 }
 
 }  // namespace quincunx
