@@ -86,7 +86,6 @@ std::vector<double> RayTracingLab::stateOf(const Frame& frame) const {
 }
 
 bool RayTracingLab::advance(double seconds, const HeldSeconds& /*held*/) {
-    live_ = true;
     // However long the last picture took, a hand needs a moment between two turns of a knob.
     restedSeconds_ += std::min(seconds, longestStepSeconds);
     if (step_ == 1 || (step_ == 2 && restedSeconds_ < restSeconds))
@@ -97,10 +96,13 @@ bool RayTracingLab::advance(double seconds, const HeldSeconds& /*held*/) {
 
 void RayTracingLab::traceFrame(const Frame& frame) {
     std::vector<double> state = stateOf(frame);
-    if (state != state_) {
-        step_ = live_ ? coarsest : 1;
+    if (!frame.live) {
+        step_ = 1;
+    } else if (state != state_) {
+        step_ = coarsest;
         restedSeconds_ = 0;
-    } else if (traced_ == step_)
+    }
+    if (state == state_ && traced_ == step_)
         return;
     state_.clear();
     WhittedSettings with = settings();

@@ -34,7 +34,7 @@ class RayTracingLab final : public Lab {
     }
 
     /// In the window a picture that changes is coarse at first, and refined while nothing is touched.
-    bool isMoving() const override { return !live_ || step_ > 1; }
+    bool isMoving() const override { return step_ > 1; }
     bool advance(double seconds, const HeldSeconds& held) override;
 
     ChoiceKnob end{knobs(),
@@ -83,7 +83,6 @@ class RayTracingLab final : public Lab {
     void draw(graph::PassContext& context, const Frame& frame);
 
     std::vector<double> state_;
-    bool live_ = false;         ///< a window asks for frames
     double restedSeconds_ = 0;  ///< since something changed
     int step_ = 1;              ///< pixels a side that share a ray; 1: the picture itself
     int traced_ = 0;            ///< the step of what was traced last
