@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "math/vector.h"
+#include "trace/phong_glsl.h"
 
 namespace quincunx {
 
@@ -51,6 +52,17 @@ float spotShareNaive(glm::vec3 wi, glm::vec3 lightDirection, float innerConeRadi
     const float cosOuter = std::cos(outerConeRadians);
     const float share = std::clamp((cosine - cosOuter) / (std::cos(innerConeRadians) - cosOuter), 0.0f, 1.0f);
     return share * share * (3 - 2 * share);
+}
+
+LightArrival arriveFrom(const Light& light, glm::vec3 position) {
+    const glsl::PhongLight source{
+        static_cast<int>(light.kind),  light.position,         light.direction,
+        light.color * light.intensity, light.innerConeRadians, light.outerConeRadians};
+    const glsl::LightSample incoming = glsl::sampleLight(source, position);
+    float strength = incoming.strength;
+    if (light.range > 0 && light.kind != Light::Kind::directional)
+        strength *= glsl::rangeShare(glm::distance(light.position, position), light.range);
+    return {incoming.wi, strength};
 }
 
 }  // namespace quincunx

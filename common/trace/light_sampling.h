@@ -4,6 +4,8 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/scene.h"
+
 /// How much of a small light's strength arrives. The forms `...Naive` are for `stress` alone; against them
 /// (bench_scattering, whole arrays) arriveFromPoint costs 1.1 times and spotShare 2.2 times.
 namespace quincunx {
@@ -29,5 +31,9 @@ LightArrival arriveFromPointNaive(glm::vec3 light, glm::vec3 position);
 float spotShare(glm::vec3 wi, glm::vec3 lightDirection, float innerConeRadians, float outerConeRadians);
 /// smoothstep(cos outer, cos inner, cosine), in float, of unit vectors.
 float spotShareNaive(glm::vec3 wi, glm::vec3 lightDirection, float innerConeRadians, float outerConeRadians);
+
+/// What of a light of a scene arrives at a point with nothing between, as the shaders have it (sampleLight
+/// and rangeShare of shaders/lib/phong.glsl).
+LightArrival arriveFrom(const Light& light, glm::vec3 position);
 
 }  // namespace quincunx

@@ -10,7 +10,7 @@
 #include "geometry/ray_shapes.h"
 #include "math/vector.h"
 #include "trace/environment_glsl.h"
-#include "trace/phong_glsl.h"
+#include "trace/light_sampling.h"
 
 namespace quincunx {
 namespace {
@@ -276,22 +276,16 @@ std::optional<LightDraw> LightSet::drawBall(const TraceScene& scene, const Shini
 std::optional<LightDraw> LightSet::drawPunctual(const TraceScene& scene, const Shining& light,
                                                 const SurfacePoint& to) const {
     const Light& source = scene.scene().lights[light.index];
-    const glsl::PhongLight phong{
-        static_cast<int>(source.kind),   source.position,         source.direction,
-        source.color * source.intensity, source.innerConeRadians, source.outerConeRadians};
-    const glsl::LightSample incoming = glsl::sampleLight(phong, to.position);
-    float strength = incoming.strength;
+    const LightArrival incoming = arriveFrom(source, to.position);
+    const glm::vec3 radiance = source.color * source.intensity;
     LightDraw draw;
     draw.delta = true;
     draw.endless = source.kind == Light::Kind::directional;
     draw.from = source.position;
-    if (source.range > 0 && !draw.endless)
-        strength *= glsl::rangeShare(glm::distance(source.position, to.position), source.range);
     draw.wi = incoming.wi;
-    if (draw.wi == glm::vec3(0) || !(strength > 0))
+    if (draw.wi == glm::vec3(0) || !(incoming.strength > 0))
         return {};
-    draw.weight =
-        pi * strength * glm::vec3(sane(phong.radiance.r), sane(phong.radiance.g), sane(phong.radiance.b));
+    draw.weight = pi * incoming.strength * glm::vec3(sane(radiance.r), sane(radiance.g), sane(radiance.b));
     return draw;
 }
 

@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "math/vector.h"
 #include "trace/brdf_glsl.h"
+#include "trace/light_sampling.h"
 #include "trace/sampling.h"
 
 namespace quincunx {
@@ -380,21 +381,15 @@ std::optional<glm::vec3> traceDirect(const TraceScene& traced, const Ray& ray) {
     const glm::vec3 wo = normalizeOr(-ray.direction, n);
     glm::vec3 radiance = values.emission + scene.ambientLight * color * values.occlusion;
     for (const Light& light : scene.lights) {
-        const glsl::PhongLight source{
-            static_cast<int>(light.kind),  light.position,         light.direction,
-            light.color * light.intensity, light.innerConeRadians, light.outerConeRadians};
-        glsl::LightSample incoming = glsl::sampleLight(source, point->position);
-        const bool endless = light.kind == Light::Kind::directional;
-        if (light.range > 0 && !endless)
-            incoming.strength *=
-                glsl::rangeShare(glm::distance(light.position, point->position), light.range);
+        const LightArrival incoming = arriveFrom(light, point->position);
         if (!(incoming.strength > 0) || !(glm::dot(n, incoming.wi) > 0))
             continue;
-        const bool lit = endless ? !traced.occluded(TraceScene::leave(*point, incoming.wi))
-                                 : traced.visible(*point, light.position);
+        const bool lit = light.kind == Light::Kind::directional
+                             ? !traced.occluded(TraceScene::leave(*point, incoming.wi))
+                             : traced.visible(*point, light.position);
         if (lit)
-            radiance +=
-                source.radiance * incoming.strength * glsl::microfacetShare(surface, n, incoming.wi, wo);
+            radiance += light.color * light.intensity * incoming.strength *
+                        glsl::microfacetShare(surface, n, incoming.wi, wo);
     }
     return glm::min(radiance, glm::vec3(65504));
 }
