@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include "math/vector.h"
 #include "trace/fresnel.h"
@@ -243,50 +246,121 @@ WhittedCounts& WhittedCounts::operator+=(const WhittedCounts& other) {
     return *this;
 }
 
-Image renderWhitted(const WhittedScene& scene, const Camera& camera, int width, int height,
-                    const WhittedSettings& settings, WhittedCounts* counts, const std::atomic<bool>* stop) {
-    const Tracer tracer(scene, settings);
-    Image image(width, height, 4, Encoding::linear);
-    tbb::enumerable_thread_specific<Worker> workers(
-        [&] { return Worker(scene.contents().lights.size(), settings.seed); });
-    const auto side = static_cast<std::uint32_t>(settings.pixelSamples);
-    const auto tilesAcross = (width + tileSize - 1) / tileSize;
-    const auto tilesDown = (height + tileSize - 1) / tileSize;
-    tbb::parallel_for(0, tilesAcross * tilesDown, [&](int tile) {
-        if (stop != nullptr && *stop)
-            return;
-        Worker& worker = workers.local();
+struct WhittedRender::State {
+    State(const WhittedScene& scene, const Camera& view, int width, int height, const WhittedSettings& with)
+        : settings(with),
+          camera(view),
+          tracer(scene, settings),
+          image(width, height, 4, Encoding::linear),
+          tilesAcross((width + tileSize - 1) / tileSize),
+          tileCount(tilesAcross * ((height + tileSize - 1) / tileSize)),
+          workers(
+              [lights = scene.contents().lights.size(), seed = with.seed] { return Worker(lights, seed); }) {}
+
+    glm::vec3 tracePixel(int x, int y, Worker& worker) const {
+        const auto side = static_cast<std::uint32_t>(settings.pixelSamples);
+        const auto pixel = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(image.width) +
+                           static_cast<std::uint32_t>(x);
+        glm::vec3 sum(0);
+        for (std::uint32_t sample = 0; sample < side * side; ++sample) {
+            worker.sampler = PathSampler(pixel, sample, settings.seed);
+            worker.set = static_cast<std::uint32_t>(worker.sampler.next() * static_cast<float>(patternSets));
+            const glm::vec2 within(static_cast<float>(sample % side) + 0.5f,
+                                   static_cast<float>(sample / side) + 0.5f);
+            const Ray ray = cameraRay(camera, image.width, image.height,
+                                      glm::vec2(x, y) + within / static_cast<float>(side));
+            sum += tracer.trace(ray, {}, worker);
+        }
+        return sum / static_cast<float>(side * side);
+    }
+
+    /// False if stopped before its end.
+    bool traceTile(int tile, Worker& worker, const std::atomic<bool>* stop) {
         worker.cache.clear();
         const int left = tile % tilesAcross * tileSize;
         const int top = tile / tilesAcross * tileSize;
-        for (int y = top; y < std::min(top + tileSize, height); ++y)
-            for (int x = left; x < std::min(left + tileSize, width); ++x) {
-                const auto pixel = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) +
-                                   static_cast<std::uint32_t>(x);
-                glm::vec3 sum(0);
-                for (std::uint32_t sample = 0; sample < side * side; ++sample) {
-                    worker.sampler = PathSampler(pixel, sample, settings.seed);
-                    worker.set =
-                        static_cast<std::uint32_t>(worker.sampler.next() * static_cast<float>(patternSets));
-                    const glm::vec2 within(static_cast<float>(sample % side) + 0.5f,
-                                           static_cast<float>(sample / side) + 0.5f);
-                    const Ray ray =
-                        cameraRay(camera, width, height, glm::vec2(x, y) + within / static_cast<float>(side));
-                    sum += tracer.trace(ray, {}, worker);
-                }
-                sum /= static_cast<float>(side * side);
+        for (int y = top; y < std::min(top + tileSize, image.height); ++y)
+            for (int x = left; x < std::min(left + tileSize, image.width); ++x) {
+                if (stop != nullptr && stop->load(std::memory_order_relaxed))
+                    return false;
+                const glm::vec3 color = tracePixel(x, y, worker);
                 float* const out = image.pixel(x, y);
                 for (int c = 0; c < 3; ++c)
-                    out[c] = sum[c];
+                    out[c] = color[c];
                 out[3] = 1;
             }
-    });
-    if (counts != nullptr) {
-        *counts = {};
-        for (const Worker& worker : workers)
-            *counts += worker.counts;
+        return true;
     }
-    return image;
+
+    WhittedSettings settings;
+    Camera camera;
+    Tracer tracer;
+    Image image;
+    int tilesAcross;
+    int tileCount;
+    std::atomic<int> nextTile = 0;
+    std::atomic<bool> stopped = false;
+    tbb::enumerable_thread_specific<Worker> workers;
+};
+
+WhittedRender::WhittedRender(const WhittedScene& scene, const Camera& camera, int width, int height,
+                             const WhittedSettings& settings, const Image& under)
+    : state_(std::make_unique<State>(scene, camera, width, height, settings)) {
+    if (under.data.empty())
+        return;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const auto at = [](int i, int size, int underSize) {
+                return static_cast<int>(static_cast<std::int64_t>(i) * underSize / size);
+            };
+            std::copy_n(under.pixel(at(x, width, under.width), at(y, height, under.height)), 4,
+                        state_->image.pixel(x, y));
+        }
+}
+
+WhittedRender::~WhittedRender() = default;
+WhittedRender::WhittedRender(WhittedRender&&) noexcept = default;
+WhittedRender& WhittedRender::operator=(WhittedRender&&) noexcept = default;
+
+bool WhittedRender::traceTiles(double seconds, const std::atomic<bool>* stop) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    State& state = *state_;
+    std::atomic<bool> over = false;
+    const auto work = [&] {
+        while (!over && !state.stopped && state.nextTile < state.tileCount) {
+            const int tile = state.nextTile++;
+            if (tile >= state.tileCount)
+                break;
+            if (!state.traceTile(tile, state.workers.local(), stop))
+                state.stopped = true;
+            if (std::chrono::duration<double>(Clock::now() - start).count() >= seconds)
+                over = true;
+        }
+    };
+    tbb::parallel_for(
+        0, tbb::this_task_arena::max_concurrency(), [&](int) { work(); }, tbb::simple_partitioner());
+    return !state.stopped && state.nextTile >= state.tileCount;
+}
+
+const Image& WhittedRender::picture() const {
+    return state_->image;
+}
+
+WhittedCounts WhittedRender::counts() const {
+    WhittedCounts counts;
+    for (const Worker& worker : state_->workers)
+        counts += worker.counts;
+    return counts;
+}
+
+Image renderWhitted(const WhittedScene& scene, const Camera& camera, int width, int height,
+                    const WhittedSettings& settings, WhittedCounts* counts, const std::atomic<bool>* stop) {
+    WhittedRender render(scene, camera, width, height, settings);
+    render.traceTiles(std::numeric_limits<double>::infinity(), stop);
+    if (counts != nullptr)
+        *counts = render.counts();
+    return render.picture();
 }
 
 std::vector<std::vector<glm::vec2>> lightSets(SamplePattern pattern, int shadowRays, std::uint64_t seed) {

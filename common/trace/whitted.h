@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -57,8 +59,30 @@ struct WhittedCounts {
     WhittedCounts& operator+=(const WhittedCounts& other);
 };
 
-/// The textbook's main(): calls trace() for each pixel, in tiles over all cores. RGBA (A = 1), linear, the
-/// same on any number of threads. When `stop` becomes true, the remaining tiles are left at zero.
+/// A picture in the making, in tiles over all cores: RGBA (A = 1), linear, the same on any number of threads
+/// and in however many steps.
+class WhittedRender {
+  public:
+    /// The scene outlives it. Where nothing is traced yet, `under`, stretched, is seen; without it, zeros.
+    WhittedRender(const WhittedScene& scene, const Camera& camera, int width, int height,
+                  const WhittedSettings& settings, const Image& under = {});
+    ~WhittedRender();
+    WhittedRender(WhittedRender&&) noexcept;
+    WhittedRender& operator=(WhittedRender&&) noexcept;
+
+    /// Starts no tile when the seconds are over, but the first. True when all are done. When `stop` becomes
+    /// true, what is in the making is left as it is, and the picture is never finished.
+    bool traceTiles(double seconds = std::numeric_limits<double>::infinity(),
+                    const std::atomic<bool>* stop = nullptr);
+    const Image& picture() const;
+    WhittedCounts counts() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// The textbook's main(): calls trace() for each pixel. What `stop` forestalls is left at zero.
 Image renderWhitted(const WhittedScene& scene, const Camera& camera, int width, int height,
                     const WhittedSettings& settings, WhittedCounts* counts = nullptr,
                     const std::atomic<bool>* stop = nullptr);

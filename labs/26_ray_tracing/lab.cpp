@@ -1,6 +1,7 @@
 #include "labs/26_ray_tracing/lab.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "gl/executor.h"
 #include "gl/program.h"
@@ -12,8 +13,6 @@ namespace quincunx {
 namespace {
 
 constexpr int coarsest = 8;
-constexpr double restSeconds = 0.25;
-constexpr double longestStepSeconds = 0.05;
 
 Camera fitted(const Frame& frame) {
     return fittedToAspect(frame.camera, static_cast<float>(frame.width) / static_cast<float>(frame.height));
@@ -85,35 +84,42 @@ std::vector<double> RayTracingLab::stateOf(const Frame& frame) const {
     return state;
 }
 
-bool RayTracingLab::advance(double seconds, const HeldSeconds& /*held*/) {
-    // However long the last picture took, a hand needs a moment between two turns of a knob.
-    restedSeconds_ += std::min(seconds, longestStepSeconds);
-    if (step_ == 1 || (step_ == 2 && restedSeconds_ < restSeconds))
-        return false;
-    step_ /= 2;
-    return true;
+void RayTracingLab::begin(const Frame& frame, int step) {
+    WhittedSettings with = settings();
+    with.seed = frame.seed;
+    if (step > 1)
+        with.pixelSamples = 1;
+    const Image under = render_ && step < coarsest ? render_->picture() : Image{};
+    rendered_ = scene();
+    render_.emplace(*rendered_, fitted(frame), (frame.width + step - 1) / step,
+                    (frame.height + step - 1) / step, with, frame.live ? under : Image{});
+    step_ = step;
+    uploaded_ = false;
 }
 
 void RayTracingLab::traceFrame(const Frame& frame) {
     std::vector<double> state = stateOf(frame);
-    if (!frame.live) {
-        step_ = 1;
-    } else if (state != state_) {
-        step_ = coarsest;
-        restedSeconds_ = 0;
-    }
-    if (state == state_ && traced_ == step_)
-        return;
-    state_.clear();
-    WhittedSettings with = settings();
-    with.seed = frame.seed;
-    if (step_ > 1)
-        with.pixelSamples = 1;
-    picture_ = renderWhitted(*scene(), fitted(frame), (frame.width + step_ - 1) / step_,
-                             (frame.height + step_ - 1) / step_, with, &counts_);
-    traced_ = step_;
-    uploaded_ = false;
+    if (!render_ || state != state_ || (!frame.live && step_ > 0))
+        begin(frame, frame.live ? coarsest : 1);
     state_ = std::move(state);
+    if (!frame.live && step_ > 0) {
+        render_->traceTiles();
+        step_ = 0;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const auto left = [&] {
+        return liveSeconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    while (step_ > 0) {
+        uploaded_ = false;
+        const bool done = render_->traceTiles(left());
+        if (done && step_ > 1)
+            begin(frame, step_ / 2);
+        else if (done)
+            step_ = 0;
+        if (left() <= 0)
+            break;
+    }
 }
 
 graph::Resource RayTracingLab::build(graph::FrameGraph& graph, const Frame& frame) {
@@ -129,12 +135,13 @@ graph::Resource RayTracingLab::build(graph::FrameGraph& graph, const Frame& fram
 void RayTracingLab::draw(graph::PassContext& context, const Frame& frame) {
     traceFrame(frame);
     constexpr int unit = 1;
-    if (!texture_ || texture_->width() != picture_.width || texture_->height() != picture_.height) {
-        texture_.emplace("traced", GL_RGBA32F, picture_.width, picture_.height);
+    const Image& picture = render_->picture();
+    if (!texture_ || texture_->width() != picture.width || texture_->height() != picture.height) {
+        texture_.emplace("traced", GL_RGBA32F, picture.width, picture.height);
         uploaded_ = false;
     }
     if (!uploaded_)
-        gl::upload(*texture_, 0, 0, picture_);
+        gl::upload(*texture_, 0, 0, picture);
     uploaded_ = true;
     const gl::Program& program = context.programs().get({.label = "show what was traced",
                                                          .vertex = "passes/fullscreen.vert",
@@ -156,13 +163,16 @@ void RayTracingLab::markIdleKnobs() {
 }
 
 std::map<std::string, std::uint64_t> RayTracingLab::counters() const {
-    return {{"trace calls", counts_.traceCalls},
-            {"shade calls", counts_.shadeCalls},
-            {"rays ended early", counts_.endedRays},
-            {"shadow rays", counts_.shadowRays},
-            {"shadow cache hits", counts_.cacheHits},
-            {"structure nodes", counts_.viewTraversal.nodes + counts_.shadowTraversal.nodes},
-            {"triangle tests", counts_.viewTraversal.triangles + counts_.shadowTraversal.triangles}};
+    if (!render_)
+        return {};
+    const WhittedCounts counts = render_->counts();
+    return {{"trace calls", counts.traceCalls},
+            {"shade calls", counts.shadeCalls},
+            {"rays ended early", counts.endedRays},
+            {"shadow rays", counts.shadowRays},
+            {"shadow cache hits", counts.cacheHits},
+            {"structure nodes", counts.viewTraversal.nodes + counts.shadowTraversal.nodes},
+            {"triangle tests", counts.viewTraversal.triangles + counts.shadowTraversal.triangles}};
 }
 
 Lab::ReferenceJob RayTracingLab::reference(const Frame& frame) const {

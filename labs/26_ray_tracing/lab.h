@@ -34,8 +34,9 @@ class RayTracingLab final : public Lab {
     }
 
     /// In the window a picture that changes is coarse at first, and refined while nothing is touched.
-    bool isMoving() const override { return step_ > 1; }
-    bool advance(double seconds, const HeldSeconds& held) override;
+    bool isConverging() const override { return step_ > 0; }
+    /// Of a live frame, for tracing; at least one tile is traced in each.
+    double liveSeconds = 0.03;
 
     ChoiceKnob end{knobs(),
                    "end",
@@ -82,16 +83,16 @@ class RayTracingLab final : public Lab {
     void traceFrame(const Frame& frame);
     void draw(graph::PassContext& context, const Frame& frame);
 
+    void begin(const Frame& frame, int step);
+
     std::vector<double> state_;
-    double restedSeconds_ = 0;  ///< since something changed
-    int step_ = 1;              ///< pixels a side that share a ray; 1: the picture itself
-    int traced_ = 0;            ///< the step of what was traced last
-    Image picture_;
-    WhittedCounts counts_;
+    int step_ = 0;  ///< pixels a side that share a ray in what is being traced; 0: the picture is whole
+    std::optional<WhittedRender> render_;
     bool uploaded_ = false;
     std::optional<gl::Texture2D> texture_;
     mutable std::shared_ptr<const WhittedScene> scene_;
     mutable std::vector<double> sceneState_;
+    std::shared_ptr<const WhittedScene> rendered_;  ///< what render_ looks at
 };
 
 }  // namespace quincunx
