@@ -21,35 +21,26 @@ endif()
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
-# Headers of the standard library, fmt and GLM are what a file takes longest to compile; precompiled they are
-# read once a build. None of our own are among them, and a file still includes what it uses: the preset `debug`
-# builds without them, where a missing include shows. So do builds with ccache, which keeps what it can compare
-# with the text of all headers.
-# Libraries are position-independent (-fPIC), programs only as a whole (-fPIE): each has its own.
-option(QUINCUNX_PRECOMPILE "Precompile the headers of other libraries" OFF)
-if(NOT QUINCUNX_PRECOMPILE OR CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
-  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
-endif()
-function(quincunx_precompile target)
-  get_target_property(type ${target} TYPE)
-  if(type STREQUAL "EXECUTABLE")
-    target_precompile_headers(${target} REUSE_FROM quincunx_precompiled_tests)
-  else()
-    target_precompile_headers(${target} REUSE_FROM quincunx_precompiled)
-  endif()
+# `./quincunx` builds with CMAKE_UNITY_BUILD: the sources of a target are compiled several at a time, which takes
+# half as long, since what they include is read and instantiated once. So names in the unnamed namespaces of a
+# folder differ; what is listed as APART is compiled by itself, because it shares some. By hand and in the other
+# presets every file is compiled alone, where a missing include shows.
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 6)
+function(quincunx_compile_apart)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# quincunx_module(<name> [SOURCES ...] [PUBLIC <targets>...] [PRIVATE <targets>...])
+# quincunx_module(<name> [SOURCES ...] [APART <sources>...] [PUBLIC <targets>...] [PRIVATE <targets>...])
 # A room of common/: the static library quincunx_<name>, from all .cpp files of the folder it is called in.
 function(quincunx_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;APART;PUBLIC;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS "*.cpp")
   file(GLOB headers CONFIGURE_DEPENDS "*.h")
   list(APPEND sources ${ARG_SOURCES})
   if(sources)
     add_library(quincunx_${name} STATIC ${sources})
     target_link_libraries(quincunx_${name} PUBLIC quincunx_flags ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-    quincunx_precompile(quincunx_${name})
+    quincunx_compile_apart(${ARG_APART})
     target_include_directories(quincunx_${name} PUBLIC
       $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/common> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/quincunx>)
   else()
@@ -66,11 +57,11 @@ endfunction()
 add_library(quincunx_test_flags INTERFACE)
 target_compile_options(quincunx_test_flags INTERFACE $<$<CONFIG:Release>:-O1>)
 
-# quincunx_test(<name> SOURCES ... [LIBRARIES ...] [TIMEOUT seconds] [TOGETHER])
+# quincunx_test(<name> SOURCES ... [APART <sources>...] [LIBRARIES ...] [TIMEOUT seconds] [TOGETHER])
 # A GoogleTest program; each TEST becomes a CTest test of its own, in a process of its own. TOGETHER: all are one,
 # for programs whose start takes longer than their tests; its output names the TEST that failed.
 function(quincunx_test name)
-  cmake_parse_arguments(ARG "TOGETHER" "TIMEOUT" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "TOGETHER" "TIMEOUT" "SOURCES;APART;LIBRARIES" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -80,7 +71,7 @@ function(quincunx_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} quincunx_test_support quincunx_test_flags GTest::gmock)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-  quincunx_precompile(${name})
+  quincunx_compile_apart(${ARG_APART})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
   # LeakSanitizer of g++ 12 may crash on the thread-local storage of libraries that were just loaded.
   set(properties TIMEOUT ${ARG_TIMEOUT}

@@ -9,7 +9,6 @@
 #define MESA_EGL_NO_X11_HEADERS
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -40,13 +39,6 @@ struct EglLibrary {
     std::string clientExtensions;
 };
 
-template <typename Function>
-void findSymbol(void* library, const char* name, Function& function) {
-    function = reinterpret_cast<Function>(dlsym(library, name));
-    if (function == nullptr)
-        throw EnvironmentError("this libEGL is too old", name, remedy);
-}
-
 bool hasExtension(std::string_view list, std::string_view extension) {
     for (std::size_t at = list.find(extension); at != std::string_view::npos;
          at = list.find(extension, at + 1)) {
@@ -68,18 +60,21 @@ const EglLibrary& egl() {
         if (handle == nullptr)
             throw EnvironmentError("libEGL is not installed", "backend egl", remedy);
         EglLibrary functions;
-        findSymbol(handle, "eglGetProcAddress", functions.getProcAddress);
-        findSymbol(handle, "eglQueryString", functions.queryString);
-        findSymbol(handle, "eglInitialize", functions.initialize);
-        findSymbol(handle, "eglBindAPI", functions.bindApi);
-        findSymbol(handle, "eglChooseConfig", functions.chooseConfig);
-        findSymbol(handle, "eglCreateContext", functions.createContext);
-        findSymbol(handle, "eglDestroyContext", functions.destroyContext);
-        findSymbol(handle, "eglCreatePbufferSurface", functions.createPbufferSurface);
-        findSymbol(handle, "eglDestroySurface", functions.destroySurface);
-        findSymbol(handle, "eglMakeCurrent", functions.makeCurrent);
-        findSymbol(handle, "eglReleaseThread", functions.releaseThread);
-        findSymbol(handle, "eglGetError", functions.getError);
+        const auto find = [handle](const char* symbol, auto& function) {
+            detail::findSymbol(handle, symbol, function, "libEGL", remedy);
+        };
+        find("eglGetProcAddress", functions.getProcAddress);
+        find("eglQueryString", functions.queryString);
+        find("eglInitialize", functions.initialize);
+        find("eglBindAPI", functions.bindApi);
+        find("eglChooseConfig", functions.chooseConfig);
+        find("eglCreateContext", functions.createContext);
+        find("eglDestroyContext", functions.destroyContext);
+        find("eglCreatePbufferSurface", functions.createPbufferSurface);
+        find("eglDestroySurface", functions.destroySurface);
+        find("eglMakeCurrent", functions.makeCurrent);
+        find("eglReleaseThread", functions.releaseThread);
+        find("eglGetError", functions.getError);
         functions.clientExtensions = orEmpty(functions.queryString(EGL_NO_DISPLAY, EGL_EXTENSIONS));
         const auto load = [&]<typename F>(const char* name, F& function) {
             function = reinterpret_cast<F>(functions.getProcAddress(name));

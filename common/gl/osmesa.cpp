@@ -1,8 +1,6 @@
 #include <array>
 #include <cstdint>
 
-#include <dlfcn.h>
-
 #include "base/error.h"
 #include "gl/backends.h"
 
@@ -24,13 +22,6 @@ struct OsmesaLibrary {
     GLADapiproc (*getProcAddress)(const char* name) = nullptr;
 };
 
-template <typename Function>
-void findSymbol(void* library, const char* name, Function& function) {
-    function = reinterpret_cast<Function>(dlsym(library, name));
-    if (function == nullptr)
-        throw EnvironmentError("this libOSMesa is too old", name, "install libosmesa6 of Mesa 11.2 or newer");
-}
-
 /// Loaded once and kept: drivers don't stand being unloaded.
 const OsmesaLibrary& osmesa() {
     static const OsmesaLibrary library = [] {
@@ -42,10 +33,14 @@ const OsmesaLibrary& osmesa() {
             throw EnvironmentError("libOSMesa is not installed", "backend osmesa",
                                    "install the package libosmesa6");
         OsmesaLibrary functions;
-        findSymbol(handle, "OSMesaCreateContextAttribs", functions.createContextAttribs);
-        findSymbol(handle, "OSMesaDestroyContext", functions.destroyContext);
-        findSymbol(handle, "OSMesaMakeCurrent", functions.makeCurrent);
-        findSymbol(handle, "OSMesaGetProcAddress", functions.getProcAddress);
+        const auto find = [handle](const char* symbol, auto& function) {
+            detail::findSymbol(handle, symbol, function, "libOSMesa",
+                               "install libosmesa6 of Mesa 11.2 or newer");
+        };
+        find("OSMesaCreateContextAttribs", functions.createContextAttribs);
+        find("OSMesaDestroyContext", functions.destroyContext);
+        find("OSMesaMakeCurrent", functions.makeCurrent);
+        find("OSMesaGetProcAddress", functions.getProcAddress);
         return functions;
     }();
     return library;

@@ -38,7 +38,7 @@ glm::vec3 methodColor(Method method) {
                                                                              : glm::vec3(0.28f, 0.92f, 0.45f);
 }
 
-std::string product(EulerOrder order) {
+std::string productText(EulerOrder order) {
     std::string text = "M =";
     for (const int axis : eulerAxes(order))
         text += fmt::format(" R{}({})", axisNames[static_cast<std::size_t>(axis)],
@@ -231,7 +231,7 @@ void RotationsLab::drawGimbal(graph::PassContext& context, const Panel& panel, E
     if (notes) {
         const float line = 19 * panel.unit;
         const float margin = 10 * panel.unit;
-        say(product(sequence), {margin, margin}, 16, Labels::Anchor::topLeft, white, panel);
+        say(productText(sequence), {margin, margin}, 16, Labels::Anchor::topLeft, white, panel);
         for (int ring = 0; ring < 3; ++ring) {
             const int axis = axes[static_cast<std::size_t>(ring)];
             say(fmt::format("{} ring: {} {:+.0f}° about {}", ringNames[static_cast<std::size_t>(ring)],

@@ -15,7 +15,7 @@ namespace quincunx {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double degree = pi / 180;
+constexpr double oneDegree = pi / 180;
 constexpr int inputCount = 100'000;
 constexpr int pairCount = 10'000;
 
@@ -84,7 +84,7 @@ PathFigures measurePath(double degrees, std::optional<glm::quat> (*between)(glm:
     for (int i = 0; i < 40; ++i) {
         const glm::quat a(randomRotation(draw));
         const glm::quat b =
-            product(quaternionFromAxisAngle(draw.unitVector(), static_cast<float>(degrees * degree))
+            product(quaternionFromAxisAngle(draw.unitVector(), static_cast<float>(degrees * oneDegree))
                         .value_or(glm::quat(1, 0, 0, 0)),
                     a);
         double least = 1e9;
@@ -139,16 +139,16 @@ std::vector<Measurement> measureInterpolation() {
     const PathFigures even = measurePath(apart, &slerp);
     // 256 steps of 120°/256, each end rounded by 2^-23 rad.
     figures.push_back({"120° apart: slerp, fastest over slowest", even.ratio, "times",
-                       equals(1, 4 * 0x1p-23 / (apart * degree / 256))});
+                       equals(1, 4 * 0x1p-23 / (apart * oneDegree / 256))});
     const PathFigures chord = measurePath(apart, &nlerp);
     figures.push_back({"nlerp, fastest over slowest", chord.ratio, "times",
-                       equals(chordSpeedRatio(apart * degree / 2), 0.01)});
-    figures.push_back({"nlerp, farthest from slerp", chord.angle / degree, "degrees", atMost(8.16)});
+                       equals(chordSpeedRatio(apart * oneDegree / 2), 0.01)});
+    figures.push_back({"nlerp, farthest from slerp", chord.angle / oneDegree, "degrees", atMost(8.16)});
     const PathFigures mixed = measurePath(apart, &byMatrices);
     figures.push_back({"matrix lerp, fastest over slowest", mixed.ratio, "times",
-                       equals(chordSpeedRatio(apart * degree), 0.03)});
-    figures.push_back(
-        {"matrix lerp, farthest from slerp", mixed.angle / degree, "degrees", atLeast(chord.angle / degree)});
+                       equals(chordSpeedRatio(apart * oneDegree), 0.03)});
+    figures.push_back({"matrix lerp, farthest from slerp", mixed.angle / oneDegree, "degrees",
+                       atLeast(chord.angle / oneDegree)});
     const glm::mat3 half = matrixFromQuaternion(glm::quat(0, 0, 0, 1)).value_or(glm::mat3(1));
     figures.push_back({"180° apart: determinant of the matrix half-way",
                        glm::determinant(matrixLerpNaive(glm::mat3(1), half, 0.5f)), "", equals(0, 1e-12)});
@@ -196,18 +196,18 @@ std::vector<Measurement> measureQuaternions() {
 
 glm::quat eulerTurn(double headDegrees, double pitchDegrees, double rollDegrees, EulerOrder order) {
     return quaternionFromEuler(
-               {static_cast<float>(headDegrees * degree), static_cast<float>(pitchDegrees * degree),
-                static_cast<float>(rollDegrees * degree)},
+               {static_cast<float>(headDegrees * oneDegree), static_cast<float>(pitchDegrees * oneDegree),
+                static_cast<float>(rollDegrees * oneDegree)},
                order)
         .value_or(glm::quat(1, 0, 0, 0));
 }
 
 /// The angle of Rx Ry Rx⁻¹ Ry⁻¹, degrees.
 double commutatorDegrees(double degrees) {
-    const auto radians = static_cast<float>(degrees * degree);
+    const auto radians = static_cast<float>(degrees * oneDegree);
     const glm::quat x = quaternionFromAxisAngle({1, 0, 0}, radians).value_or(glm::quat(1, 0, 0, 0));
     const glm::quat y = quaternionFromAxisAngle({0, 1, 0}, radians).value_or(glm::quat(1, 0, 0, 0));
-    return rotationAngleBetween(product(x, y), product(y, x)).value_or(0) / degree;
+    return rotationAngleBetween(product(x, y), product(y, x)).value_or(0) / oneDegree;
 }
 
 std::vector<Measurement> measureOrders() {
@@ -219,7 +219,7 @@ std::vector<Measurement> measureOrders() {
             const double angle = rotationAngleBetween(eulerTurn(90, 40, 30, eulerOrders[i]),
                                                       eulerTurn(90, 40, 30, eulerOrders[j]))
                                      .value_or(0) /
-                                 degree;
+                                 oneDegree;
             nearest = std::min(nearest, angle);
             farthest = std::max(farthest, angle);
         }
@@ -230,7 +230,7 @@ std::vector<Measurement> measureOrders() {
     figures.push_back({"90° about x and y, undone in the wrong order, leaves", commutatorDegrees(90),
                        "degrees", equals(120, 2e-5)});
     figures.push_back({"1°: leaves, over the square of the angle",
-                       commutatorDegrees(1) * degree / (degree * degree), "", equals(1, 1e-3)});
+                       commutatorDegrees(1) * oneDegree / (oneDegree * oneDegree), "", equals(1, 1e-3)});
     return figures;
 }
 
@@ -238,7 +238,7 @@ std::vector<Measurement> measureLock() {
     std::vector<Measurement> figures;
     const auto span = [](double pitchDegrees) {
         const glm::dmat3 axes =
-            gimbalAxes({0.6f, static_cast<float>(pitchDegrees * degree), -0.3f}, EulerOrder::zxy);
+            gimbalAxes({0.6f, static_cast<float>(pitchDegrees * oneDegree), -0.3f}, EulerOrder::zxy);
         return std::abs(glm::dot(axes[0], glm::cross(axes[1], axes[2])));
     };
     figures.push_back({"pitch 0°: volume spanned by the three axes", span(0), "", equals(1, 1e-15)});
@@ -248,13 +248,13 @@ std::vector<Measurement> measureLock() {
         {"pitch 90°: head +40° undone by roll, angle left",
          rotationAngleBetween(eulerTurn(20, 90, 10, EulerOrder::zxy), eulerTurn(60, 90, -30, EulerOrder::zxy))
                  .value_or(pi) /
-             degree,
+             oneDegree,
          "degrees", atMost(3e-5)});
     figures.push_back(
         {"pitch 0°: the same, angle left",
          rotationAngleBetween(eulerTurn(20, 0, 10, EulerOrder::zxy), eulerTurn(60, 0, -30, EulerOrder::zxy))
                  .value_or(0) /
-             degree,
+             oneDegree,
          "degrees", atLeast(40)});
     const HardCaseFigures locked = runEulerLock(30'000, 104);
     const HardCaseFigures matrices = runEulerMatrix(30'000, 104);

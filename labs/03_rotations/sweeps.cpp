@@ -13,7 +13,7 @@
 namespace quincunx {
 namespace {
 
-constexpr std::size_t pairCount = 4096;
+constexpr std::size_t quaternionPairs = 4096;
 
 /// Whole arrays: pairs of rotations, and what is exactly between them.
 struct Pairs {
@@ -30,7 +30,7 @@ Pairs makePairs(std::uint64_t seed) {
     Pairs pairs;
     pairs.seed = seed;
     StressInputs draw(seed);
-    for (std::size_t i = 0; i < pairCount; ++i) {
+    for (std::size_t i = 0; i < quaternionPairs; ++i) {
         const glm::quat a(randomRotation(draw));
         const glm::quat b(randomRotation(draw));
         const auto t = static_cast<float>(draw.random().uniformDouble());
@@ -55,14 +55,14 @@ void timeWork(SweepSample& sample, const Work& work, int repeats) {
 /// Fills `out` by `compute(i)`, timed; a number of what was written keeps the work from being dropped.
 template <typename Result, typename Compute>
 std::vector<Result> timed(SweepSample& sample, const Compute& compute) {
-    std::vector<Result> out(pairCount);
+    std::vector<Result> out(quaternionPairs);
     volatile float kept = 0;
     timeWork(
         sample,
         [&] {
-            for (std::size_t i = 0; i < pairCount; ++i)
+            for (std::size_t i = 0; i < quaternionPairs; ++i)
                 out[i] = compute(i);
-            kept = kept + out[pairCount / 2][0][0];
+            kept = kept + out[quaternionPairs / 2][0][0];
         },
         31);
     return out;
@@ -79,11 +79,11 @@ SweepSample measureQuaternions(const Pairs& pairs, glm::quat (*between)(glm::qua
     const std::vector<Turn> out = timed<Turn>(
         sample, [&](std::size_t i) { return Turn{between(pairs.from[i], pairs.to[i], pairs.t[i])}; });
     double sum = 0;
-    for (std::size_t i = 0; i < pairCount; ++i) {
+    for (std::size_t i = 0; i < quaternionPairs; ++i) {
         const double angle = angleBetweenQuad(normalizeQuad(QuadQuaternion(out[i].q)), pairs.exact[i]);
         sum += angle * angle;
     }
-    sample.error = std::sqrt(sum / pairCount);
+    sample.error = std::sqrt(sum / quaternionPairs);
     return sample;
 }
 
@@ -93,12 +93,12 @@ SweepSample measureMatrices(const Pairs& pairs,
     const std::vector<glm::mat3> out = timed<glm::mat3>(
         sample, [&](std::size_t i) { return between(pairs.fromMatrix[i], pairs.toMatrix[i], pairs.t[i]); });
     double sum = 0;
-    for (std::size_t i = 0; i < pairCount; ++i) {
+    for (std::size_t i = 0; i < quaternionPairs; ++i) {
         // How far it is from being the rotation, not only how far it turns.
         const double distance = distanceQuad(toQuad(out[i]), matrixQuad(pairs.exact[i]));
         sum += distance * distance;
     }
-    sample.error = std::sqrt(sum / pairCount);
+    sample.error = std::sqrt(sum / quaternionPairs);
     return sample;
 }
 
@@ -147,7 +147,7 @@ Sweep interpolationSweep(RotationsLab& lab) {
         if (pairs->from.empty() || pairs->seed != frame.seed)
             *pairs = makePairs(frame.seed);
         SweepSample sample = measureMethod(*pairs, lab.method.as<Method>());
-        sample.counters["poses"] = pairCount;
+        sample.counters["poses"] = quaternionPairs;
         return sample;
     };
     return sweep;

@@ -14,8 +14,8 @@
 namespace quincunx {
 namespace {
 
-constexpr int width = 320;
-constexpr int height = 240;
+constexpr int answerWidth = 320;
+constexpr int answerHeight = 240;
 constexpr std::size_t directionCount = 100'000;
 
 glm::vec3 randomDirection(Random& random) {
@@ -42,7 +42,7 @@ Frame plainFrame(ShadingLab& lab, Studio& studio) {
     for (Knob* knob : lab.knobs().all())
         knob->reset();
     lab.supersample.set(1);
-    return studio.frame(lab, width, height);
+    return studio.frame(lab, answerWidth, answerHeight);
 }
 
 std::vector<Measurement> measureHalfVector() {

@@ -8,7 +8,7 @@
 namespace quincunx {
 namespace {
 
-constexpr GLuint imageUnit = 1;
+constexpr GLuint sampledUnit = 1;
 constexpr GLuint placesUnit = 2;
 constexpr GLuint derivativesUnit = 3;
 
@@ -41,14 +41,14 @@ std::vector<glm::vec4> sample(gl::Executor& executor, const gl::Texture2D& textu
                                          .vertex = "passes/fullscreen.vert",
                                          .fragment = "labs/12_texture_filtering/samples.frag"});
              program.use();
-             program.set("image", static_cast<int>(imageUnit));
+             program.set("image", static_cast<int>(sampledUnit));
              program.set("places", static_cast<int>(placesUnit));
              program.set("derivatives", static_cast<int>(derivativesUnit));
              program.set("byLevel", levels.empty() ? 0 : 1);
-             texture.bind(imageUnit);
+             texture.bind(sampledUnit);
              placesTexture.bind(placesUnit);
              derivativesTexture.bind(derivativesUnit);
-             const gl::Sampler::Use use(context.sampler(sampler), imageUnit);
+             const gl::Sampler::Use use(context.sampler(sampler), sampledUnit);
              context.drawFullscreen();
          }});
     graph.addOutput(samples);

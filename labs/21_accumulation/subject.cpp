@@ -18,7 +18,6 @@ constexpr float viewTangent = 0.1f;  // half of the view's height over its dista
 constexpr double unitsASecond = 3;
 constexpr double turnsASecond = 0.25;
 constexpr double middleSeconds = 2;
-constexpr double roundSeconds = 4;
 constexpr double edgeDegrees = 17;  // of the still edge, from upright
 constexpr double edgeOffset = 0.013;
 constexpr float lampHeight = 8;

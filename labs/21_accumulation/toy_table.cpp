@@ -17,7 +17,6 @@
 namespace quincunx {
 namespace {
 
-constexpr float roundSeconds = 4;
 constexpr int quarterTurns = 12;  // of the pinwheel in a round
 constexpr float trainFrom = -5.2f;
 constexpr float trainTo = 4.4f;
@@ -177,8 +176,8 @@ void addTrain(Table& table) {
                                  at(loads[i])),
                      train);
     Animation ride{.name = "ride"};
-    ride.samplers.push_back(
-        {.seconds = {0, roundSeconds}, .values = {{trainFrom, 0, railZ, 0}, {trainTo, 0, railZ, 0}}});
+    ride.samplers.push_back({.seconds = {0, static_cast<float>(roundSeconds)},
+                             .values = {{trainFrom, 0, railZ, 0}, {trainTo, 0, railZ, 0}}});
     ride.channels.push_back({0, train, Animation::Path::translation});
     table.scene.animations.push_back(std::move(ride));
 }
@@ -226,7 +225,7 @@ void addPinwheel(Table& table) {
     Animation::Sampler keys;
     for (int i = 0; i <= quarterTurns; ++i) {
         const float half = std::numbers::pi_v<float> / 4 * static_cast<float>(i);
-        keys.seconds.push_back(roundSeconds * static_cast<float>(i) / quarterTurns);
+        keys.seconds.push_back(static_cast<float>(roundSeconds) * static_cast<float>(i) / quarterTurns);
         keys.values.emplace_back(0, 0, std::sin(half), std::cos(half));
     }
     spin.samplers.push_back(std::move(keys));

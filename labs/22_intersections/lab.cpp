@@ -15,7 +15,7 @@ namespace quincunx {
 
 namespace {
 
-const glm::vec3 target(0.25f, 0.75f, -0.25f);      // what the camera turns about, before the offset
+const glm::vec3 lookedAt(0.25f, 0.75f, -0.25f);    // what the camera turns about, before the offset
 const glm::vec3 probeOrigin(-3.75f, 2.25f, 2.5f);  // likewise
 const glm::vec3 probeAim(-1.75f, 1.25f, 0.25f);    // where the ray goes for angles of 0
 
@@ -44,12 +44,12 @@ Lens IntersectionsLab::lens(const Frame& frame, double aspect) const {
     const float whole = static_cast<float>(frame.width) / static_cast<float>(frame.height);
     const Camera camera =
         fittedToAspect(frame.camera, static_cast<float>(aspect), std::min(whole, composedAspect));
-    return makeLens(camera, target, distance, place(), aspect);
+    return makeLens(camera, lookedAt, distance, place(), aspect);
 }
 
 Camera IntersectionsLab::defaultCamera() const {
     Camera camera;
-    camera.worldFromCamera = lookAt({-0.75f, 2.6f, 10.0f}, target, {0, 1, 0});
+    camera.worldFromCamera = lookAt({-0.75f, 2.6f, 10.0f}, lookedAt, {0, 1, 0});
     camera.fovYRadians = glm::radians(40.0f);
     camera.farDistance = 200;
     return camera;

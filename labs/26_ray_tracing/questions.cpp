@@ -14,8 +14,8 @@
 namespace quincunx {
 namespace {
 
-constexpr int width = 96;
-constexpr int height = 72;
+constexpr int answerWidth = 96;
+constexpr int answerHeight = 72;
 
 double number(std::uint64_t count) {
     return static_cast<double>(count);
@@ -33,8 +33,8 @@ std::vector<Measurement> measureFunctions() {
     WhittedCounts counts;
     WhittedSettings settings;
     settings.shadowRays = 4;
-    renderWhitted(scene, terraceCamera(), width, height, settings, &counts);
-    const double pixels = width * height;
+    renderWhitted(scene, terraceCamera(), answerWidth, answerHeight, settings, &counts);
+    const double pixels = answerWidth * answerHeight;
     return {{"pixels, each a call of trace() by main()", pixels, "calls", {}},
             {"calls of trace() by shade(): mirrored and refracted rays", number(counts.childRays), "calls",
              atLeast(0.2 * pixels)},
@@ -55,7 +55,7 @@ std::vector<Measurement> measureFunctions() {
 std::vector<Measurement> measureRecursion() {
     const WhittedScene scene(makeTerrace());
     const Camera camera = terraceCamera();
-    const Image reference = recursionReference(scene, camera, width, height);
+    const Image reference = recursionReference(scene, camera, answerWidth, answerHeight);
     const double mean = meanLuminance(reference);
     std::vector<Measurement> figures;
     struct Cut {
@@ -65,8 +65,8 @@ std::vector<Measurement> measureRecursion() {
     };
     const auto cut = [&](RecursionEnd end, int depth, float weight) {
         WhittedCounts counts;
-        const Image image =
-            renderWhitted(scene, camera, width, height, recursionSettings(end, depth, weight), &counts);
+        const Image image = renderWhitted(scene, camera, answerWidth, answerHeight,
+                                          recursionSettings(end, depth, weight), &counts);
         return Cut{number(counts.traceCalls), rmse(reference, image), meanLuminance(image) / mean - 1};
     };
     Cut byDepth;
@@ -97,7 +97,7 @@ std::vector<Measurement> measureRecursion() {
     for (int run = 0; run < runs; ++run) {
         throwIfInterrupted();
         const Image image = renderWhitted(
-            scene, camera, width, height,
+            scene, camera, answerWidth, answerHeight,
             recursionSettings(RecursionEnd::roulette, 0, threshold, static_cast<std::uint64_t>(run) + 1));
         const double relative = meanLuminance(image) / mean - 1;
         sum += relative;
@@ -126,9 +126,9 @@ std::vector<Measurement> measureShadowCache() {
     settings.shadowRays = 16;
     WhittedCounts with;
     WhittedCounts without;
-    const Image cached = renderWhitted(scene, terraceCamera(), width, height, settings, &with);
+    const Image cached = renderWhitted(scene, terraceCamera(), answerWidth, answerHeight, settings, &with);
     settings.shadowCache = false;
-    const Image plain = renderWhitted(scene, terraceCamera(), width, height, settings, &without);
+    const Image plain = renderWhitted(scene, terraceCamera(), answerWidth, answerHeight, settings, &without);
     return {{"difference of the pictures with and without", differenceOf(cached, plain), "", equals(0)},
             {"shadow rays", number(with.shadowRays), "rays", {}},
             {"of these stopped by something opaque",
@@ -169,7 +169,7 @@ GridWalks walkAll(const Grid& grid, const std::vector<Ray>& rays, int threads) {
 
 std::vector<Measurement> measureMailboxes() {
     const WhittedScene scene(makeTerrace());
-    const std::vector<Ray> rays = raysOfPicture(scene, terraceCamera(), 2 * width, 2 * height);
+    const std::vector<Ray> rays = raysOfPicture(scene, terraceCamera(), 2 * answerWidth, 2 * answerHeight);
     const double count = number(rays.size());
     const GridWalks none = walkAll(Grid(scene.triangleView(), {.mailboxes = Mailboxes::none}), rays, 1);
     std::uint64_t different = 0;
