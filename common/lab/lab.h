@@ -210,8 +210,7 @@ struct LabEntry {
     bool isCalled(std::string_view word) const;
 };
 
-/// Whole program: understands the command line, does what it says, returns the exit status
-/// (common/cli/command_line.cpp).
+/// Whole program: understands the command line, does what it says, returns the exit status.
 int runCommandLine(int argc, const char* const* argv, std::span<const LabEntry> labs);
 
 /// The same for the program of one lab: no lab is named, and the verb is `run` where none is given.
