@@ -27,7 +27,10 @@
     const global = /** @type {any} */ (window);
     global.quincunxPixels = (/** @type {string} */ name, /** @type {string} */ uri) => awaited.get(name)?.(uri);
 
-    /** Red, green, blue of 256 steps from no difference to the largest. @type {number[]} */
+    /**
+     * Red, green, blue of 256 steps from no difference to the largest.
+     * @type {number[]}
+     */
     const errorColours = global.quincunxErrorColours;
 
     /**

@@ -23,9 +23,9 @@ class Digest {
 };
 
 /// What all figures and pictures of a lab follow from, but for the machine: its code and that of the rooms
-/// below it, the shaders it may use, and its knobs. The code is the tree's sources, where the program was made
-/// from them as they are now; where there are none, or one is younger than the program, it is the program
-/// itself. Shaders of other labs, pages and their templates do not count.
+/// below it, the shaders it may use, and its knobs. The code is the tree's sources, where the program was
+/// made from them as they are now; where there are none, or one is younger than the program, it is the
+/// program itself. Shaders of other labs, pages and their templates do not count.
 std::string labFingerprint(const LabEntry& entry, Lab& lab);
 
 /// The same with the places given: `root` holds common/, labs/ and shaders/ (the first two may be missing).
