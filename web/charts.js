@@ -23,6 +23,13 @@
     const colour = (index) => `var(--series-${index % 6})`;
 
     /**
+     * Another one where colours repeat.
+     * @param {number} index
+     * @param {number} area
+     */
+    const shape = (index, area) => d3.svg.symbol().type(shapes[(index + Math.floor(index / 6)) % 6]).size(area)();
+
+    /**
      * Ticks of a logarithmic axis: 1, 2 and 5 of each decade where there are few, else its powers of ten.
      * @param {[number, number]} domain
      */
@@ -115,11 +122,13 @@
         const picture = sweep.pictures.length > 0 ? side.append("img").attr("width", 320).attr("height", 240) : null;
         const words = side.append("div").attr("class", "chart-words").attr("aria-live", "polite");
         const key = plot.append("ul").attr("class", "key");
+        if (series.length > 1)
+            key.append("li").attr("class", "key-name").text(seriesName);
         series.forEach((name, index) => {
             const item = key.append("li");
             item.append("svg").attr("viewBox", "-8 -8 16 16").attr("aria-hidden", "true").append("path")
-                .attr("d", d3.svg.symbol().type(shapes[index % shapes.length]).size(70)()).style("fill", colour(index));
-            item.append("span").text(series.length > 1 ? `${seriesName} ${name}` : sweep.title);
+                .attr("d", shape(index, 70)).style("fill", colour(index));
+            item.append("span").text(name);
         });
         const frontItem = key.append("li");
         frontItem.append("svg").attr("viewBox", "-8 -8 16 16").attr("aria-hidden", "true").append("path").attr("class", "front").attr("d", "M-8,0H8");
@@ -163,7 +172,7 @@
                 .attr("transform", `translate(${x(point.seconds * 1e3)},${y(errorOf(point))})`)
                 .attr("role", "img").attr("aria-label", describe(point)).attr("tabindex", -1);
             mark.append("circle").attr("class", "target").attr("r", 14);
-            mark.append("path").attr("d", d3.svg.symbol().type(shapes[seriesOf(point) % shapes.length]).size(point.pareto ? 90 : 56)())
+            mark.append("path").attr("d", shape(seriesOf(point), point.pareto ? 90 : 56))
                 .style("fill", colour(seriesOf(point)));
             mark.on("mouseenter", () => choose(index)).on("focus", () => choose(index)).on("click", () => mark.node().focus())
                 .on("keydown", () => {

@@ -124,7 +124,11 @@ Json knobView(const LabResults& lab, const Json& knob) {
         values.push_back(view);
     }
     const std::string idle = textOf(knob, "idle");
-    const std::string why = !idle.empty()              ? idle
+    Json refused = Json::array();
+    for (const Json& one : knob["refused"])
+        refused.push_back(one);
+    const std::string why = !refused.empty()           ? textOf(refused[0], "why")
+                            : !idle.empty()            ? idle
                             : knob["same"].get<bool>() ? "alone it leaves this picture as it is, bit for bit"
                                                        : "it takes words";
     return {{"name", knob["name"]},
@@ -136,6 +140,7 @@ Json knobView(const LabResults& lab, const Json& knob) {
             {"folder", lab.folder},
             {"first", first},
             {"second", second},
+            {"refused", refused},
             {"values", values}};
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "base/interrupt.h"
 #include "image/compare.h"
@@ -46,7 +47,10 @@ class Drawer {
         return *lab_;
     }
     Studio& studio() { return studio_; }
-    Image8 draw(int width, int height) { return studio_.picture(lab(), studio_.frame(lab(), width, height)); }
+    /// Without alpha, as it is seen and compared on a page.
+    Image8 draw(int width, int height) {
+        return web::withoutAlpha(studio_.picture(lab(), studio_.frame(lab(), width, height)));
+    }
 
   private:
     LabEntry entry_;
@@ -142,15 +146,11 @@ Piece knobPiece(const std::string& name, Drawer& drawer, const SurveyOptions& op
     const KnobScope scope(lab.knobs());
     lab.markIdleKnobs();
     Knob& knob = lab.knobs().find(name);
-    Json result{{"name", knob.name()},
-                {"unit", knob.unit()},
-                {"help", knob.help()},
-                {"allowed", knob.allowed()},
-                {"default", knob.defaultText()},
-                {"idle", knob.idle().empty() ? Json() : Json(knob.idle())},
-                {"values", Json::array()},
-                {"slow", false},
-                {"same", false}};
+    Json result{{"name", knob.name()},           {"unit", knob.unit()},
+                {"help", knob.help()},           {"allowed", knob.allowed()},
+                {"default", knob.defaultText()}, {"idle", knob.idle().empty() ? Json() : Json(knob.idle())},
+                {"values", Json::array()},       {"slow", false},
+                {"refused", Json::array()},      {"same", false}};
     PictureWriter writer(store);
     const std::vector<std::string> values = valuesToShow(knob, options.steps);
     if (!knob.idle().empty() || values.size() < 2)
@@ -171,10 +171,23 @@ Piece knobPiece(const std::string& name, Drawer& drawer, const SurveyOptions& op
             continue;
         }
         knob.parse(values[i]);
-        pictures[i] = drawer.draw(options.pictureWidth, options.pictureHeight);
+        try {
+            pictures[i] = drawer.draw(options.pictureWidth, options.pictureHeight);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const InputError& e) {  // a setting that needs others beside it
+            if (i == start)
+                throw;
+            result["refused"].push_back({{"value", values[i]}, {"why", e.what()}});
+            continue;
+        }
         slow = isNumber && i != start && drawer.studio().pictureSeconds() > patienceSeconds;
     }
     const Image8& before = *pictures[start];
+    const auto drawn = std::count_if(pictures.begin(), pictures.end(),
+                                     [](const auto& picture) { return picture.has_value(); });
+    if (drawn < 2)
+        return writer.piece(result);
     result["same"] = std::all_of(pictures.begin(), pictures.end(),
                                  [&](const auto& picture) { return !picture || *picture == before; });
     if (result["same"])

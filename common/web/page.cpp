@@ -90,17 +90,6 @@ std::string readTemplate(std::string_view name, data& view) {
     return text;
 }
 
-/// Opaque: what is seen, without what lies under it.
-Image8 withoutAlpha(const Image8& picture) {
-    if (picture.channels == 1 || picture.channels == 3)
-        return picture;
-    Image8 opaque(picture.width, picture.height, picture.channels - 1, picture.encoding);
-    for (int y = 0; y < picture.height; ++y)
-        for (int x = 0; x < picture.width; ++x)
-            std::copy_n(picture.pixel(x, y), opaque.channels, opaque.pixel(x, y));
-    return opaque;
-}
-
 /// The colours of errorMap, for the maps that compare.js computes.
 std::string errorColourScript() {
     Image ramp(256, 1, 1, Encoding::linear);
@@ -177,6 +166,16 @@ std::string dataUri(std::string_view mediaType, std::span<const unsigned char> b
             uri += i <= count ? digits[bits >> (18 - 6 * i) & 63] : '=';
     }
     return uri;
+}
+
+Image8 withoutAlpha(const Image8& picture) {
+    if (picture.channels == 1 || picture.channels == 3)
+        return picture;
+    Image8 opaque(picture.width, picture.height, picture.channels - 1, picture.encoding);
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x)
+            std::copy_n(picture.pixel(x, y), opaque.channels, opaque.pixel(x, y));
+    return opaque;
 }
 
 std::string pixelScript(std::string_view key, const Image8& picture) {

@@ -34,6 +34,9 @@ std::string inScript(const Json& json);
 /// "data:image/png;base64,…"
 std::string dataUri(std::string_view mediaType, std::span<const unsigned char> bytes);
 
+/// The picture without its alpha: what is seen, whatever lies under it.
+Image8 withoutAlpha(const Image8& picture);
+
 /// A script that hands the lossless picture over to compare.js: file name without its folder → contents. A
 /// page names it as `data-pixels` of an <img> whose `src` shows the same picture; compare.js loads it when
 /// the pixels are asked for. `key` is the text that the page's `data-pixels` has.

@@ -103,6 +103,10 @@ Browser::Browser(int width, int height) {
                                {"goog:loggingPrefs", {{"browser", "ALL"}, {"performance", "ALL"}}}};
     session_ = call("POST", "/session", {{"capabilities", {{"alwaysMatch", capabilities}}}}).at("sessionId");
     resize(width, height);
+    // What the browser showed before the first page is not the pages'.
+    call("POST", fmt::format("/session/{}/url", session_), {{"url", "about:blank"}});
+    consoleMessages();
+    networkRequests();
 }
 
 Browser::~Browser() {
