@@ -173,6 +173,8 @@ Json sweepView(const LabResults& lab, const Json& measured, const std::string& p
     for (const Json& picture : measured["pictures"])
         data["pictures"].push_back(prefix + picture.get<std::string>());
     return {{"id", fmt::format("{}-{}", lab.name, textOf(sweep, "sweep"))},
+            {"lab_name", lab.name},
+            {"sweep_name", sweep["sweep"]},
             {"title", sweep["title"]},
             {"metric", sweep["metric"]},
             {"error_unit", orNothing(textOf(sweep, "error_unit"))},
@@ -512,6 +514,7 @@ int writeLabPage(const Site& site, const LabResults& lab) {
     for (const Json& knob : lab.knobs)
         view[knob["values"].empty() ? "plain_knobs" : "knobs"].push_back(knobView(lab, knob));
     view["plain_count"] = view["plain_knobs"].size();
+    view["one_plain_knob"] = view["plain_knobs"].size() == 1;
     view["has_plain_knobs"] = !view["plain_knobs"].empty();
     view["has_knobs"] = !lab.knobs.empty();
 
