@@ -15,12 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-test::ProcessResult checkTypes(const std::vector<fs::path>& files) {
-    std::vector<std::string> words = {"tsc",       "--noEmit",
-                                      "--allowJs", "--checkJs",
-                                      "--strict",  "--noUncheckedIndexedAccess",
-                                      "--target",  "es2020",
-                                      "--lib",     "es2020,dom,dom.iterable"};
+test::ProcessResult checkTypes(const std::vector<fs::path>& files, const std::string& libraries) {
+    std::vector<std::string> words = {
+        "tsc",      "--noEmit", "--allowJs", "--checkJs", "--strict", "--noUncheckedIndexedAccess",
+        "--target", "es2020",   "--lib",     libraries};
     for (const fs::path& file : files)
         words.push_back(file.string());
     return test::runProcess(words);
@@ -36,15 +34,14 @@ std::vector<fs::path> scripts() {
 
 TEST(Scripts, AreRightByTheirTypes) {
     ASSERT_GE(scripts().size(), 4U);
-    const test::ProcessResult result = checkTypes(scripts());
+    const test::ProcessResult result = checkTypes(scripts(), "es2020,dom,dom.iterable");
     EXPECT_EQ(result.exitStatus, 0) << result.text();
 }
 
 TEST(Scripts, ThatAreWrongByTheirTypesAreFound) {
     const test::TemporaryFolder folder;
-    const fs::path wrong =
-        folder.file("wrong.js", "// @ts-check\nconst n = document.title;\nn.frobnicate();\n");
-    const test::ProcessResult result = checkTypes({wrong});
+    const fs::path wrong = folder.file("wrong.js", "// @ts-check\nconst n = \"\";\nn.frobnicate();\n");
+    const test::ProcessResult result = checkTypes({wrong}, "es5");
     EXPECT_NE(result.exitStatus, 0);
     EXPECT_THAT(result.out, testing::HasSubstr("frobnicate"));
 }
