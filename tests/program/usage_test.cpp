@@ -19,7 +19,8 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
 
-const std::vector<std::string> verbs = {"list", "run", "ask", "sweep", "plan", "stress", "compare"};
+const std::vector<std::string> verbs = {"list",   "run",     "ask",  "sweep", "plan",
+                                        "stress", "compare", "deck", "atlas"};
 
 TEST_F(Program, HelpNamesEveryVerb) {
     const ProcessResult result = call({"--help"});
