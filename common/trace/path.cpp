@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <variant>
 
@@ -307,65 +308,73 @@ glm::vec3 tracePath(PathMethod method, const PathScene& scene, const Ray& ray, P
     return tracePathMis(scene, ray, sampler, limits, counts);
 }
 
-namespace {
+void TermEstimate::Mean::add(glm::dvec3 value) {
+    ++count_;
+    const glm::dvec3 off = value - mean_;
+    mean_ += off / count_;
+    squares_ += off * (value - mean_);
+}
 
-/// A mean and its standard error, by Welford's sums.
-class MeanOfColors {
-  public:
-    void add(glm::dvec3 value) {
-        ++count_;
-        const glm::dvec3 off = value - mean_;
-        mean_ += off / count_;
-        squares_ += off * (value - mean_);
+glm::vec3 TermEstimate::Mean::error() const {
+    return count_ < 2 ? glm::vec3(std::numeric_limits<float>::infinity())
+                      : glm::vec3(glm::sqrt(squares_ / (count_ * (count_ - 1))));
+}
+
+TermEstimate::TermEstimate(const PathScene& scene, const Ray& ray, std::uint64_t seed,
+                           const PathLimits& limits)
+    : scene_(scene),
+      vertex_(meet(scene, ray)),
+      beyond_(vertex_ ? glm::vec3(0) : scene.lights().environment(ray.direction)),
+      seed_(seed),
+      limits_(limits) {}
+
+void TermEstimate::add(int samples) {
+    QX_CHECK_GE(samples, 0);
+    QX_CHECK_LE(samples, std::numeric_limits<int>::max() - samples_);
+    const int end = samples_ + samples;
+    for (; samples_ < end && vertex_; ++samples_) {
+        PathSampler sampler(0, static_cast<std::uint32_t>(samples_), seed_);
+        glm::vec3 straight(0);
+        glm::vec3 around(0);
+        if (const std::optional<DirectLight> light = drawDirectLight(scene_, *vertex_, sampler))
+            straight +=
+                light->light *
+                (light->lightDensity > 0 ? powerHeuristic(light->lightDensity, light->bsdfDensity) : 1.0f);
+        if (const std::optional<Scattered> next = scatter(*vertex_, sampler)) {
+            const std::optional<PathVertex> met = meet(scene_, next->ray);
+            const glm::vec3 shining = met ? met->emitted : scene_.lights().environment(next->ray.direction);
+            const float drawn = met ? scene_.lights().density(vertex_->point, met->point)
+                                    : scene_.lights().density(next->ray.direction);
+            straight += next->weight * shining * (next->delta ? 1.0f : powerHeuristic(next->density, drawn));
+            if (met)
+                around += next->weight * (tracePathMis(scene_, next->ray, sampler, limits_) - met->emitted);
+        }
+        direct_.add(straight);
+        indirect_.add(around);
     }
-    glm::vec3 mean() const { return glm::vec3(mean_); }
-    glm::vec3 error() const { return glm::vec3(glm::sqrt(squares_ / (count_ * (count_ - 1)))); }
+    samples_ = end;
+}
 
-  private:
-    double count_ = 0;
-    glm::dvec3 mean_{0};
-    glm::dvec3 squares_{0};
-};
-
-}  // namespace
+EquationTerms TermEstimate::terms() const {
+    EquationTerms terms;
+    if (!vertex_) {
+        terms.direct = beyond_;
+        return terms;
+    }
+    terms.emitted = vertex_->emitted;
+    terms.direct = direct_.mean();
+    terms.indirect = indirect_.mean();
+    terms.directError = direct_.error();
+    terms.indirectError = indirect_.error();
+    return terms;
+}
 
 EquationTerms estimateTerms(const PathScene& scene, const Ray& ray, int samples, std::uint64_t seed,
                             const PathLimits& limits) {
     QX_CHECK_GE(samples, 2);
-    EquationTerms terms;
-    const std::optional<PathVertex> vertex = meet(scene, ray);
-    if (!vertex) {
-        terms.direct = scene.lights().environment(ray.direction);
-        return terms;
-    }
-    terms.emitted = vertex->emitted;
-    MeanOfColors direct;
-    MeanOfColors indirect;
-    for (int i = 0; i < samples; ++i) {
-        PathSampler sampler(0, static_cast<std::uint32_t>(i), seed);
-        glm::vec3 straight(0);
-        glm::vec3 around(0);
-        if (const std::optional<DirectLight> light = drawDirectLight(scene, *vertex, sampler))
-            straight +=
-                light->light *
-                (light->lightDensity > 0 ? powerHeuristic(light->lightDensity, light->bsdfDensity) : 1.0f);
-        if (const std::optional<Scattered> next = scatter(*vertex, sampler)) {
-            const std::optional<PathVertex> end = meet(scene, next->ray);
-            const glm::vec3 shining = end ? end->emitted : scene.lights().environment(next->ray.direction);
-            const float drawn = end ? scene.lights().density(vertex->point, end->point)
-                                    : scene.lights().density(next->ray.direction);
-            straight += next->weight * shining * (next->delta ? 1.0f : powerHeuristic(next->density, drawn));
-            if (end)
-                around += next->weight * (tracePathMis(scene, next->ray, sampler, limits) - end->emitted);
-        }
-        direct.add(straight);
-        indirect.add(around);
-    }
-    terms.direct = direct.mean();
-    terms.indirect = indirect.mean();
-    terms.directError = direct.error();
-    terms.indirectError = indirect.error();
-    return terms;
+    TermEstimate estimate(scene, ray, seed, limits);
+    estimate.add(samples);
+    return estimate.terms();
 }
 
 std::optional<glm::vec3> traceDirect(const TraceScene& traced, const Ray& ray) {

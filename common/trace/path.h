@@ -142,8 +142,41 @@ struct EquationTerms {
 
     glm::vec3 sum() const { return emitted + direct + indirect; }
 };
-/// Each term by `samples` (≥ 2) draws of its own where the ray ends; only `direct`, the environment, where
-/// it leaves the scene.
+/// Each term by draws of its own where the ray ends; only `direct`, the environment, where it leaves the
+/// scene. The same bits for as many draws, however they are shared out among calls.
+class TermEstimate {
+  public:
+    /// `scene` outlives it.
+    TermEstimate(const PathScene& scene, const Ray& ray, std::uint64_t seed, const PathLimits& limits = {});
+
+    void add(int samples);
+    int samples() const { return samples_; }
+    EquationTerms terms() const;  ///< errors are infinite below two samples
+
+  private:
+    /// A mean and its standard error, by Welford's sums.
+    class Mean {
+      public:
+        void add(glm::dvec3 value);
+        glm::vec3 mean() const { return glm::vec3(mean_); }
+        glm::vec3 error() const;
+
+      private:
+        double count_ = 0;
+        glm::dvec3 mean_{0};
+        glm::dvec3 squares_{0};
+    };
+
+    const PathScene& scene_;
+    std::optional<PathVertex> vertex_;
+    glm::vec3 beyond_;
+    std::uint64_t seed_;
+    PathLimits limits_;
+    int samples_ = 0;
+    Mean direct_;
+    Mean indirect_;
+};
+/// The same by `samples` (≥ 2) draws.
 EquationTerms estimateTerms(const PathScene& scene, const Ray& ray, int samples, std::uint64_t seed,
                             const PathLimits& limits = {});
 

@@ -1,10 +1,9 @@
 #include "trace/path.h"
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
-#include <new>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -13,45 +12,10 @@
 #include "base/error.h"
 #include "image/compare.h"
 #include "math/transform.h"
+#include "tests/support/allocations.h"
 #include "tests/support/temporary_folder.h"
 #include "trace/path_scenes.h"
 #include "trace/render.h"
-
-namespace {
-
-std::atomic<std::uint64_t> allocations{0};
-
-[[gnu::noinline]] void* counted(std::size_t size) {
-    ++allocations;
-    if (void* const memory = std::malloc(size))
-        return memory;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void release(void* memory) {
-    std::free(memory);
-}
-
-}  // namespace
-
-// Counts what is allocated by this program.
-void* operator new(std::size_t size) {
-    return counted(size);
-}
-void* operator new[](std::size_t size) {
-    return counted(size);
-}
-void operator delete(void* memory) noexcept {
-    release(memory);
-}
-void operator delete[](void* memory) noexcept {
-    release(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    release(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-    release(memory);
-}
 
 namespace quincunx {
 namespace {
@@ -250,6 +214,23 @@ TEST(Path, TheTermsOfTheEquationAddUp) {
     EXPECT_LT(terms.indirectError.g, 0.02f);
 }
 
+TEST(Path, TheTermsAreTheSameHoweverTheirDrawsAreSharedOut) {
+    const Ready chamber(makeChamber());
+    const Ray ray = cameraRay(chamber.camera, 8, 8, {3.5f, 6.5f});
+    const EquationTerms whole = estimateTerms(chamber.paths, ray, 300, 3, {.maxBounces = 5});
+    TermEstimate parts(chamber.paths, ray, 3, {.maxBounces = 5});
+    EXPECT_EQ(parts.terms().direct, glm::vec3(0));
+    EXPECT_TRUE(std::isinf(parts.terms().directError.g));
+    for (const int samples : {1, 0, 99, 200})
+        parts.add(samples);
+    EXPECT_EQ(parts.samples(), 300);
+    EXPECT_EQ(parts.terms().direct, whole.direct);
+    EXPECT_EQ(parts.terms().indirect, whole.indirect);
+    EXPECT_EQ(parts.terms().directError, whole.directError);
+    EXPECT_EQ(parts.terms().indirectError, whole.indirectError);
+    EXPECT_GT(whole.sum().g, 0);
+}
+
 TEST(Path, RouletteKeepsTheMeanAndACutoffLosesLight) {
     const Ready furnace(makeFurnace(0.9f));
     const Ray ray = cameraRay(furnace.camera, 8, 8, {2.5f, 5.5f});
@@ -335,15 +316,62 @@ TEST(ProgressiveRender, IsTheSameOnAnyNumberOfThreadsAndInAnyPasses) {
     EXPECT_EQ(all.counts().raysAtLevel, parts.counts().raysAtLevel);
 }
 
+TEST(ProgressiveRender, SlicesOfAPassAddUpToIt) {
+    const Ready chamber(makeChamber());
+    const auto past = std::chrono::steady_clock::time_point::min();
+    RenderSettings settings = smallSettings(chamber);
+    settings.width = 45;
+    settings.height = 35;
+    ProgressiveRender whole(chamber.paths, settings);
+    ProgressiveRender sliced(chamber.paths, settings);
+    for (int pass = 1; pass <= 3; ++pass) {
+        whole.addSamples(1);
+        int slices = 1;
+        while (!sliced.addSlice(past))
+            ++slices;
+        EXPECT_EQ(sliced.samples(), pass);
+        // Every slice goes on by 16 pixels for each of the threads, however late it is.
+        EXPECT_GT(slices, 5);
+        EXPECT_EQ(sliced.picture(), whole.picture());
+        EXPECT_EQ(sliced.errorEstimate(), whole.errorEstimate());
+        EXPECT_EQ(sliced.counts().rays(), whole.counts().rays());
+    }
+    sliced.addSlice(past);
+    EXPECT_EQ(sliced.samples(), 3);
+    whole.addSamples(2);
+    sliced.addSamples(2);
+    EXPECT_EQ(sliced.picture(), whole.picture());
+    while (!sliced.addSlice(std::chrono::steady_clock::time_point::max())) {
+    }
+    whole.addSamples(1);
+    EXPECT_EQ(sliced.picture(), whole.picture());
+}
+
+TEST(ProgressiveRender, ShowsAFirstPassFromCoarseToFine) {
+    const Ready furnace(makeFurnace(0));
+    ProgressiveRender render(furnace.paths, {.width = 70, .height = 37, .camera = furnace.camera});
+    int slices = 0;
+    bool whole = false;
+    while (!whole) {
+        whole = render.addSlice(std::chrono::steady_clock::time_point::min());
+        ++slices;
+        const Image picture = render.picture();
+        // Five by three pixels lie on the coarsest lattice: they are there at once.
+        for (std::size_t i = 0; i < picture.data.size(); ++i)
+            ASSERT_EQ(picture.data[i], 1) << slices;
+    }
+    EXPECT_GT(slices, 3);
+}
+
 TEST(ProgressiveRender, TakesNoMemoryForRays) {
     const Ready chamber(makeChamber());
     const auto allocated = [&](int samples) {
         const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
         ProgressiveRender render(chamber.paths, smallSettings(chamber));
         render.addSamples(1);
-        const std::uint64_t before = allocations;
+        const std::uint64_t before = test::allocationCount();
         render.addSamples(samples);
-        return allocations - before;
+        return test::allocationCount() - before;
     };
     allocated(1);
     const std::uint64_t few = allocated(1);
