@@ -91,14 +91,23 @@ Bsdf scatteringOf(const SurfaceValues& values, OpaqueModel model) {
 
 }  // namespace
 
-std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCounts* counts) {
-    const std::optional<SurfacePoint> met = scene.scene().nearest(ray, {}, traversalOf(counts));
+std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathSampler* sampler,
+                               PathCounts* counts) {
+    const TraceScene& surfaces = scene.scene();
+    std::optional<SurfacePoint> met = surfaces.nearest(ray, {}, traversalOf(counts));
     if (!met)
         return {};
+    SurfaceValues values = surfaces.valuesAt(*met);
+    if (surfaces.blends() && sampler != nullptr)
+        for (float cover = 1; (cover = surfaces.coverAt(*met, values)) < 1 && sampler->next() >= cover;) {
+            met = surfaces.nearest(TraceScene::leave(*met, ray.direction), {}, traversalOf(counts));
+            if (!met)
+                return {};
+            values = surfaces.valuesAt(*met);
+        }
     PathVertex vertex;
     vertex.point = *met;
-    const Material& material = scene.scene().scene().materials[met->material];
-    const SurfaceValues values = scene.scene().valuesAt(*met);
+    const Material& material = surfaces.scene().materials[met->material];
     vertex.bsdf = scatteringOf(values, scene.model());
     if (met->front || material.doubleSided)
         vertex.emitted = values.emission;
@@ -156,11 +165,13 @@ std::optional<DirectLight> drawDirectLight(const PathScene& scene, const PathVer
     if (counts != nullptr)
         ++counts->shadowRays;
     const TraceScene& surfaces = scene.scene();
-    const bool visible =
-        draw->endless ? !surfaces.occluded(TraceScene::leave(vertex.point, draw->wi), {}, traversalOf(counts))
-        : draw->delta ? surfaces.visible(vertex.point, draw->from, traversalOf(counts))
-                      : surfaces.visible(vertex.point, draw->end, traversalOf(counts));
-    return visible ? std::optional(direct) : std::nullopt;
+    const float clear = draw->endless ? surfaces.clearShareAlong(vertex.point, draw->wi, traversalOf(counts))
+                        : draw->delta ? surfaces.clearShare(vertex.point, draw->from, traversalOf(counts))
+                                      : surfaces.clearShare(vertex.point, draw->end, traversalOf(counts));
+    if (clear == 0)
+        return {};
+    direct.light *= clear;
+    return direct;
 }
 
 glm::vec3 tracePathNaive(const PathScene& scene, Ray ray, PathSampler& sampler, const PathLimits& limits,
@@ -170,7 +181,7 @@ glm::vec3 tracePathNaive(const PathScene& scene, Ray ray, PathSampler& sampler, 
     float squeeze = 1;
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
-        const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+        const std::optional<PathVertex> vertex = meet(scene, ray, &sampler, counts);
         if (!vertex)
             return radiance + weight * scene.lights().environment(ray.direction);
         radiance += weight * vertex->emitted;
@@ -195,7 +206,7 @@ glm::vec3 tracePathNee(const PathScene& scene, Ray ray, PathSampler& sampler, co
     std::optional<SurfacePoint> from;  // where a shadow ray was shot last
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
-        const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+        const std::optional<PathVertex> vertex = meet(scene, ray, &sampler, counts);
         if (!vertex) {
             if (!from || scene.lights().density(ray.direction) == 0)
                 radiance += weight * scene.lights().environment(ray.direction);
@@ -229,7 +240,7 @@ glm::vec3 tracePathMis(const PathScene& scene, Ray ray, PathSampler& sampler, co
     float density = 0;                 // … and that of the way that was gone
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
-        const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+        const std::optional<PathVertex> vertex = meet(scene, ray, &sampler, counts);
         if (!vertex) {
             const float share = from ? powerHeuristic(density, scene.lights().density(ray.direction)) : 1.0f;
             return radiance + weight * share * scene.lights().environment(ray.direction);
@@ -266,7 +277,7 @@ glm::vec3 traceBranch(const PathScene& scene, const Ray& ray, const std::optiona
                       PathSampler& sampler, int branches, int level, const PathLimits& limits,
                       PathCounts* counts) {
     countRay(counts, static_cast<std::size_t>(level));
-    const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+    const std::optional<PathVertex> vertex = meet(scene, ray, &sampler, counts);
     if (!vertex)
         return !from || scene.lights().density(ray.direction) == 0 ? scene.lights().environment(ray.direction)
                                                                    : glm::vec3(0);
@@ -341,7 +352,9 @@ void TermEstimate::add(int samples) {
                 light->light *
                 (light->lightDensity > 0 ? powerHeuristic(light->lightDensity, light->bsdfDensity) : 1.0f);
         if (const std::optional<Scattered> next = scatter(*vertex_, sampler)) {
-            const std::optional<PathVertex> met = meet(scene_, next->ray);
+            // By the numbers that the path below begins with: it meets the same.
+            PathSampler again = sampler;
+            const std::optional<PathVertex> met = meet(scene_, next->ray, &again);
             const glm::vec3 shining = met ? met->emitted : scene_.lights().environment(next->ray.direction);
             const float drawn = met ? scene_.lights().density(vertex_->point, met->point)
                                     : scene_.lights().density(next->ray.direction);

@@ -19,8 +19,9 @@
 /// (Kajiya, "The rendering equation", SIGGRAPH 1986). Each function of this file is one such estimate of the
 /// light that comes along a ray, in W/(m² sr) a channel; the mean over many samples tends to it. All are
 /// without bias but for PathLimits::maxBounces. What is emitted leaves the front of a surface, and its back
-/// where the material is double-sided; the environment shines from where no surface is. No memory is taken
-/// for a ray. Held by Path.*.
+/// where the material is double-sided; the environment shines from where no surface is. Surfaces that blend
+/// let paths through by chance, and shadow rays by their share. No memory is taken for a ray. Held by
+/// Path.*.
 namespace quincunx {
 
 /// How surfaces scatter that are neither glass (transmission of a half and more) nor all metal: by the
@@ -81,8 +82,10 @@ struct PathVertex {
     glm::vec3 toLocal(glm::vec3 world) const { return world * worldFromLocal; }
 };
 
-/// Where a ray ends; nothing where it leaves the scene.
-std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCounts* counts = nullptr);
+/// Where a ray ends; nothing where it leaves the scene. A surface that blends ends it with the probability of
+/// its alpha, to 2^-24, by numbers of the sampler; without one, always.
+std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathSampler* sampler = nullptr,
+                               PathCounts* counts = nullptr);
 
 /// A direction drawn by the BSDF at a vertex.
 struct Scattered {
@@ -98,7 +101,7 @@ struct Scattered {
 /// the real one does not let it through.
 std::optional<Scattered> scatter(const PathVertex& vertex, PathSampler& sampler);
 
-/// Light from a light that is drawn, if nothing stands before it.
+/// Light from a light that is drawn, less what stands before it.
 struct DirectLight {
     glm::vec3 light{0};      ///< f |cos| L / density
     float lightDensity = 0;  ///< of having drawn this direction; 0 of lights without extent

@@ -134,6 +134,85 @@ TEST(Path, TheTreeAgreesWithThePaths) {
         EXPECT_EQ(counts.raysAtLevel[level], 300 * std::pow(3.0, level)) << level;
 }
 
+/// A flat sheet across the view, facing +y, of which a ray goes through with the probability ¾.
+void addVeil(Scene& scene, float height, glm::vec3 emission = glm::vec3(0)) {
+    Material veil;
+    veil.baseColor = {0, 0, 0, 0.25f};
+    veil.emission = emission;
+    veil.alphaMode = Material::AlphaMode::blend;
+    Mesh mesh;
+    mesh.positions = {{-50, height, -50}, {-50, height, 50}, {50, height, 50}, {50, height, -50}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    scene.instances.push_back({"veil", scene.meshes.size(), scene.materials.size(), glm::mat4(1)});
+    scene.meshes.push_back(mesh);
+    scene.materials.push_back(veil);
+}
+
+TEST(Path, SurfacesThatBlendLetTheirShareOfLightThrough) {
+    // Two veils between the shining ball and the floor, and three between that and an eye above them all.
+    PathSet set = makeBallOverFloor(0.5f, 0.4f, 2);
+    for (const float height : {0.5f, 1.0f, 3.0f})
+        addVeil(set.scene, height);
+    const double clear = ballOverFloorRadiance(0.5, static_cast<double>(0.4f), 2, 1);
+    const Ready veiled(set);
+    const PathLimits direct{.maxBounces = 1, .rouletteThreshold = 0};
+    for (const bool above : {false, true})
+        for (const PathMethod method : allMethods) {
+            const Ray ray{{1, above ? 4.0f : 0.3f, 0}, {0, -1, 0}};
+            const double share = std::pow(0.75, above ? 5 : 2);
+            const Estimate light = estimate(above ? 60000 : 30000, [&](PathSampler& sampler) {
+                return tracePath(method, veiled.paths, ray, sampler, direct).g;
+            });
+            EXPECT_LT(std::abs(light.t(share * clear)), farOff) << static_cast<int>(method) << above;
+            EXPECT_GT(std::abs(light.t(clear)), 2 * farOff) << "as much as without veils";
+        }
+    // What is behind blends as pictures do: a quarter of the veil, three of the rest.
+    PathSet sky;
+    sky.scene.environment.emplace().panorama = Image(1, 1, 3, Encoding::linear);
+    std::fill_n(sky.scene.environment->panorama.data.begin(), 3, 1.0f);
+    sky.scene.cameras.emplace_back();
+    addVeil(sky.scene, 0, {8, 8, 8});
+    const Ready shining(sky);
+    const Estimate both = estimate(20000, [&](PathSampler& sampler) {
+        return tracePathMis(shining.paths, {{0, 1, 0}, {0, -1, 0}}, sampler).g;
+    });
+    EXPECT_LT(std::abs(both.t(0.25 * 8 + 0.75 * 1)), farOff);
+}
+
+TEST(Path, LightsThatBlendAreFoundByChanceAndByChoiceAlike) {
+    PathSet set = makeBallOverFloor(0.5f, 0.4f, 2);
+    set.scene.materials[set.solids[0].material].emission = glm::vec3(0);
+    Material lamp;
+    lamp.baseColor = {0, 0, 0, 0.5f};
+    lamp.emission = glm::vec3(3);
+    lamp.doubleSided = true;
+    lamp.alphaMode = Material::AlphaMode::blend;
+    Mesh mesh;
+    mesh.positions = {{-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    set.scene.instances.push_back(
+        {"lamp", set.scene.meshes.size(), set.scene.materials.size(), glm::mat4(1)});
+    set.scene.meshes.push_back(mesh);
+    set.scene.materials.push_back(lamp);
+    const Ready ready(set);
+    const Ray ray{{0.3f, 0.5f, 0}, {0, -1, 0}};
+    const auto by = [&](PathMethod method) {
+        return estimate(20000, [&](PathSampler& sampler) {
+            return tracePath(method, ready.paths, ray, sampler, {.maxBounces = 1}).g;
+        });
+    };
+    const Estimate naive = by(PathMethod::naive);
+    for (const PathMethod method : {PathMethod::nee, PathMethod::mis}) {
+        const Estimate other = by(method);
+        EXPECT_GT(other.mean, 0.1);
+        EXPECT_LT(std::abs(other.mean - naive.mean) / std::hypot(other.error, naive.error), farOff);
+    }
+    // The terms at the point: all of the light comes straight from the lamp.
+    const EquationTerms terms = estimateTerms(ready.paths, ray, 20000, 3, {.maxBounces = 0});
+    EXPECT_LT(std::abs(terms.direct.g - naive.mean) / std::hypot(terms.directError.g, naive.error), farOff);
+    EXPECT_LT(std::abs(terms.indirect.g), farOff * terms.indirectError.g + 1e-6);
+}
+
 TEST(Path, EnvironmentsLightByChanceAndByChoiceAlike) {
     PathSet set;
     set.model = OpaqueModel::lambert;
