@@ -355,6 +355,14 @@ bool isDelta(const Bsdf& bsdf) {
         bsdf);
 }
 
+float microfacetLobeNaive(glm::vec3 wo, glm::vec3 wi, float exponent) {
+    const glm::vec3 h = glm::normalize(wo + wi);
+    const float d = (exponent + 2) * (0.5f * std::numbers::inv_pi_v<float>)*std::pow(h.z, exponent);
+    const float along = glm::dot(wo, h);
+    const float g = std::min(1.0f, std::min(2 * h.z * wo.z / along, 2 * h.z * wi.z / along));
+    return d * g / (4 * wo.z * wi.z);
+}
+
 Bsdf bsdfOf(const MaterialValues& material) {
     const float roughness = std::clamp(material.roughness, 0.0f, 1.0f);
     if (material.transmission >= 0.5f) {

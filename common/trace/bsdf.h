@@ -101,6 +101,11 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, glm::vec3 wo, float choice, g
 /// Whether every direction it sends light to is a delta one.
 bool isDelta(const Bsdf& bsdf);
 
+/// The textbook's lobe of microfacets without Fresnel's share, in float: D G / (4 n·wo n·wi), D by the cosine
+/// of the half vector to `exponent`, G = min(1, 2 n·h n·wo / wo·h, 2 n·h n·wi / wo·h) (Cook, Torrance 1982).
+/// For `stress` alone.
+float microfacetLobeNaive(glm::vec3 wo, glm::vec3 wi, float exponent);
+
 /// What a material is at a point, its textures multiplied in already: glass by `transmission` (from ½ up),
 /// metal and plastic by the metallic–roughness numbers.
 struct MaterialValues {

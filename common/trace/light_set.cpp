@@ -64,6 +64,12 @@ std::optional<WorldBall> worldBall(const TracedSolid& solid) {
     return WorldBall{dvec3(solid.worldFromModel[3]), sphere->radius * std::sqrt(scale)};
 }
 
+/// What a surface sends out, less where it blends.
+glm::vec3 shiningOf(const TraceScene& scene, const SurfacePoint& point) {
+    const SurfaceValues values = scene.valuesAt(point);
+    return scene.coverAt(point, values) * values.emission;
+}
+
 }  // namespace
 
 LightSet::LightSet(const TraceScene& traced) {
@@ -231,7 +237,7 @@ std::optional<LightDraw> LightSet::drawTriangle(const TraceScene& scene, const S
         end.texcoord = weights.x * mesh.texcoords[corner[0]] + weights.y * mesh.texcoords[corner[1]] +
                        weights.z * mesh.texcoords[corner[2]];
     }
-    draw.weight = scene.valuesAt(end).emission;
+    draw.weight = shiningOf(scene, end);
     return draw;
 }
 
@@ -269,7 +275,7 @@ std::optional<LightDraw> LightSet::drawBall(const TraceScene& scene, const Shini
     end.geometricNormal = glm::vec3(normal);
     end.instance = light.instance;
     end.material = scene.solids()[light.instance - scene.scene().instances.size()].material;
-    draw.weight = scene.valuesAt(end).emission;
+    draw.weight = shiningOf(scene, end);
     return draw;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <variant>
 
@@ -90,14 +91,23 @@ Bsdf scatteringOf(const SurfaceValues& values, OpaqueModel model) {
 
 }  // namespace
 
-std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCounts* counts) {
-    const std::optional<SurfacePoint> met = scene.scene().nearest(ray, {}, traversalOf(counts));
+std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathSampler* sampler,
+                               PathCounts* counts) {
+    const TraceScene& surfaces = scene.scene();
+    std::optional<SurfacePoint> met = surfaces.nearest(ray, {}, traversalOf(counts));
     if (!met)
         return {};
+    SurfaceValues values = surfaces.valuesAt(*met);
+    if (surfaces.blends() && sampler != nullptr)
+        for (float cover = 1; (cover = surfaces.coverAt(*met, values)) < 1 && sampler->next() >= cover;) {
+            met = surfaces.nearest(TraceScene::leave(*met, ray.direction), {}, traversalOf(counts));
+            if (!met)
+                return {};
+            values = surfaces.valuesAt(*met);
+        }
     PathVertex vertex;
     vertex.point = *met;
-    const Material& material = scene.scene().scene().materials[met->material];
-    const SurfaceValues values = scene.scene().valuesAt(*met);
+    const Material& material = surfaces.scene().materials[met->material];
     vertex.bsdf = scatteringOf(values, scene.model());
     if (met->front || material.doubleSided)
         vertex.emitted = values.emission;
@@ -155,11 +165,13 @@ std::optional<DirectLight> drawDirectLight(const PathScene& scene, const PathVer
     if (counts != nullptr)
         ++counts->shadowRays;
     const TraceScene& surfaces = scene.scene();
-    const bool visible =
-        draw->endless ? !surfaces.occluded(TraceScene::leave(vertex.point, draw->wi), {}, traversalOf(counts))
-        : draw->delta ? surfaces.visible(vertex.point, draw->from, traversalOf(counts))
-                      : surfaces.visible(vertex.point, draw->end, traversalOf(counts));
-    return visible ? std::optional(direct) : std::nullopt;
+    const float clear = draw->endless ? surfaces.clearShareAlong(vertex.point, draw->wi, traversalOf(counts))
+                        : draw->delta ? surfaces.clearShare(vertex.point, draw->from, traversalOf(counts))
+                                      : surfaces.clearShare(vertex.point, draw->end, traversalOf(counts));
+    if (clear == 0)
+        return {};
+    direct.light *= clear;
+    return direct;
 }
 
 glm::vec3 tracePathNaive(const PathScene& scene, Ray ray, PathSampler& sampler, const PathLimits& limits,
@@ -169,7 +181,7 @@ glm::vec3 tracePathNaive(const PathScene& scene, Ray ray, PathSampler& sampler, 
     float squeeze = 1;
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
-        const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+        const std::optional<PathVertex> vertex = meet(scene, ray, &sampler, counts);
         if (!vertex)
             return radiance + weight * scene.lights().environment(ray.direction);
         radiance += weight * vertex->emitted;
@@ -194,7 +206,7 @@ glm::vec3 tracePathNee(const PathScene& scene, Ray ray, PathSampler& sampler, co
     std::optional<SurfacePoint> from;  // where a shadow ray was shot last
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
-        const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+        const std::optional<PathVertex> vertex = meet(scene, ray, &sampler, counts);
         if (!vertex) {
             if (!from || scene.lights().density(ray.direction) == 0)
                 radiance += weight * scene.lights().environment(ray.direction);
@@ -228,7 +240,7 @@ glm::vec3 tracePathMis(const PathScene& scene, Ray ray, PathSampler& sampler, co
     float density = 0;                 // … and that of the way that was gone
     for (int bounce = 0;; ++bounce) {
         countRay(counts, static_cast<std::size_t>(bounce));
-        const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+        const std::optional<PathVertex> vertex = meet(scene, ray, &sampler, counts);
         if (!vertex) {
             const float share = from ? powerHeuristic(density, scene.lights().density(ray.direction)) : 1.0f;
             return radiance + weight * share * scene.lights().environment(ray.direction);
@@ -265,7 +277,7 @@ glm::vec3 traceBranch(const PathScene& scene, const Ray& ray, const std::optiona
                       PathSampler& sampler, int branches, int level, const PathLimits& limits,
                       PathCounts* counts) {
     countRay(counts, static_cast<std::size_t>(level));
-    const std::optional<PathVertex> vertex = meet(scene, ray, counts);
+    const std::optional<PathVertex> vertex = meet(scene, ray, &sampler, counts);
     if (!vertex)
         return !from || scene.lights().density(ray.direction) == 0 ? scene.lights().environment(ray.direction)
                                                                    : glm::vec3(0);
@@ -307,65 +319,75 @@ glm::vec3 tracePath(PathMethod method, const PathScene& scene, const Ray& ray, P
     return tracePathMis(scene, ray, sampler, limits, counts);
 }
 
-namespace {
+void TermEstimate::Mean::add(glm::dvec3 value) {
+    ++count_;
+    const glm::dvec3 off = value - mean_;
+    mean_ += off / count_;
+    squares_ += off * (value - mean_);
+}
 
-/// A mean and its standard error, by Welford's sums.
-class MeanOfColors {
-  public:
-    void add(glm::dvec3 value) {
-        ++count_;
-        const glm::dvec3 off = value - mean_;
-        mean_ += off / count_;
-        squares_ += off * (value - mean_);
+glm::vec3 TermEstimate::Mean::error() const {
+    return count_ < 2 ? glm::vec3(std::numeric_limits<float>::infinity())
+                      : glm::vec3(glm::sqrt(squares_ / (count_ * (count_ - 1))));
+}
+
+TermEstimate::TermEstimate(const PathScene& scene, const Ray& ray, std::uint64_t seed,
+                           const PathLimits& limits)
+    : scene_(scene),
+      vertex_(meet(scene, ray)),
+      beyond_(vertex_ ? glm::vec3(0) : scene.lights().environment(ray.direction)),
+      seed_(seed),
+      limits_(limits) {}
+
+void TermEstimate::add(int samples) {
+    QX_CHECK_GE(samples, 0);
+    QX_CHECK_LE(samples, std::numeric_limits<int>::max() - samples_);
+    const int end = samples_ + samples;
+    for (; samples_ < end && vertex_; ++samples_) {
+        PathSampler sampler(0, static_cast<std::uint32_t>(samples_), seed_);
+        glm::vec3 straight(0);
+        glm::vec3 around(0);
+        if (const std::optional<DirectLight> light = drawDirectLight(scene_, *vertex_, sampler))
+            straight +=
+                light->light *
+                (light->lightDensity > 0 ? powerHeuristic(light->lightDensity, light->bsdfDensity) : 1.0f);
+        if (const std::optional<Scattered> next = scatter(*vertex_, sampler)) {
+            // By the numbers that the path below begins with: it meets the same.
+            PathSampler again = sampler;
+            const std::optional<PathVertex> met = meet(scene_, next->ray, &again);
+            const glm::vec3 shining = met ? met->emitted : scene_.lights().environment(next->ray.direction);
+            const float drawn = met ? scene_.lights().density(vertex_->point, met->point)
+                                    : scene_.lights().density(next->ray.direction);
+            straight += next->weight * shining * (next->delta ? 1.0f : powerHeuristic(next->density, drawn));
+            if (met)
+                around += next->weight * (tracePathMis(scene_, next->ray, sampler, limits_) - met->emitted);
+        }
+        direct_.add(straight);
+        indirect_.add(around);
     }
-    glm::vec3 mean() const { return glm::vec3(mean_); }
-    glm::vec3 error() const { return glm::vec3(glm::sqrt(squares_ / (count_ * (count_ - 1)))); }
+    samples_ = end;
+}
 
-  private:
-    double count_ = 0;
-    glm::dvec3 mean_{0};
-    glm::dvec3 squares_{0};
-};
-
-}  // namespace
+EquationTerms TermEstimate::terms() const {
+    EquationTerms terms;
+    if (!vertex_) {
+        terms.direct = beyond_;
+        return terms;
+    }
+    terms.emitted = vertex_->emitted;
+    terms.direct = direct_.mean();
+    terms.indirect = indirect_.mean();
+    terms.directError = direct_.error();
+    terms.indirectError = indirect_.error();
+    return terms;
+}
 
 EquationTerms estimateTerms(const PathScene& scene, const Ray& ray, int samples, std::uint64_t seed,
                             const PathLimits& limits) {
     QX_CHECK_GE(samples, 2);
-    EquationTerms terms;
-    const std::optional<PathVertex> vertex = meet(scene, ray);
-    if (!vertex) {
-        terms.direct = scene.lights().environment(ray.direction);
-        return terms;
-    }
-    terms.emitted = vertex->emitted;
-    MeanOfColors direct;
-    MeanOfColors indirect;
-    for (int i = 0; i < samples; ++i) {
-        PathSampler sampler(0, static_cast<std::uint32_t>(i), seed);
-        glm::vec3 straight(0);
-        glm::vec3 around(0);
-        if (const std::optional<DirectLight> light = drawDirectLight(scene, *vertex, sampler))
-            straight +=
-                light->light *
-                (light->lightDensity > 0 ? powerHeuristic(light->lightDensity, light->bsdfDensity) : 1.0f);
-        if (const std::optional<Scattered> next = scatter(*vertex, sampler)) {
-            const std::optional<PathVertex> end = meet(scene, next->ray);
-            const glm::vec3 shining = end ? end->emitted : scene.lights().environment(next->ray.direction);
-            const float drawn = end ? scene.lights().density(vertex->point, end->point)
-                                    : scene.lights().density(next->ray.direction);
-            straight += next->weight * shining * (next->delta ? 1.0f : powerHeuristic(next->density, drawn));
-            if (end)
-                around += next->weight * (tracePathMis(scene, next->ray, sampler, limits) - end->emitted);
-        }
-        direct.add(straight);
-        indirect.add(around);
-    }
-    terms.direct = direct.mean();
-    terms.indirect = indirect.mean();
-    terms.directError = direct.error();
-    terms.indirectError = indirect.error();
-    return terms;
+    TermEstimate estimate(scene, ray, seed, limits);
+    estimate.add(samples);
+    return estimate.terms();
 }
 
 std::optional<glm::vec3> traceDirect(const TraceScene& traced, const Ray& ray) {

@@ -19,8 +19,9 @@
 /// (Kajiya, "The rendering equation", SIGGRAPH 1986). Each function of this file is one such estimate of the
 /// light that comes along a ray, in W/(m² sr) a channel; the mean over many samples tends to it. All are
 /// without bias but for PathLimits::maxBounces. What is emitted leaves the front of a surface, and its back
-/// where the material is double-sided; the environment shines from where no surface is. No memory is taken
-/// for a ray. Held by Path.*.
+/// where the material is double-sided; the environment shines from where no surface is. Surfaces that blend
+/// let paths through by chance, and shadow rays by their share. No memory is taken for a ray. Held by
+/// Path.*.
 namespace quincunx {
 
 /// How surfaces scatter that are neither glass (transmission of a half and more) nor all metal: by the
@@ -81,8 +82,10 @@ struct PathVertex {
     glm::vec3 toLocal(glm::vec3 world) const { return world * worldFromLocal; }
 };
 
-/// Where a ray ends; nothing where it leaves the scene.
-std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathCounts* counts = nullptr);
+/// Where a ray ends; nothing where it leaves the scene. A surface that blends ends it with the probability of
+/// its alpha, to 2^-24, by numbers of the sampler; without one, always.
+std::optional<PathVertex> meet(const PathScene& scene, const Ray& ray, PathSampler* sampler = nullptr,
+                               PathCounts* counts = nullptr);
 
 /// A direction drawn by the BSDF at a vertex.
 struct Scattered {
@@ -98,7 +101,7 @@ struct Scattered {
 /// the real one does not let it through.
 std::optional<Scattered> scatter(const PathVertex& vertex, PathSampler& sampler);
 
-/// Light from a light that is drawn, if nothing stands before it.
+/// Light from a light that is drawn, less what stands before it.
 struct DirectLight {
     glm::vec3 light{0};      ///< f |cos| L / density
     float lightDensity = 0;  ///< of having drawn this direction; 0 of lights without extent
@@ -142,8 +145,41 @@ struct EquationTerms {
 
     glm::vec3 sum() const { return emitted + direct + indirect; }
 };
-/// Each term by `samples` (≥ 2) draws of its own where the ray ends; only `direct`, the environment, where
-/// it leaves the scene.
+/// Each term by draws of its own where the ray ends; only `direct`, the environment, where it leaves the
+/// scene. The same bits for as many draws, however they are shared out among calls.
+class TermEstimate {
+  public:
+    /// `scene` outlives it.
+    TermEstimate(const PathScene& scene, const Ray& ray, std::uint64_t seed, const PathLimits& limits = {});
+
+    void add(int samples);
+    int samples() const { return samples_; }
+    EquationTerms terms() const;  ///< errors are infinite below two samples
+
+  private:
+    /// A mean and its standard error, by Welford's sums.
+    class Mean {
+      public:
+        void add(glm::dvec3 value);
+        glm::vec3 mean() const { return glm::vec3(mean_); }
+        glm::vec3 error() const;
+
+      private:
+        double count_ = 0;
+        glm::dvec3 mean_{0};
+        glm::dvec3 squares_{0};
+    };
+
+    const PathScene& scene_;
+    std::optional<PathVertex> vertex_;
+    glm::vec3 beyond_;
+    std::uint64_t seed_;
+    PathLimits limits_;
+    int samples_ = 0;
+    Mean direct_;
+    Mean indirect_;
+};
+/// The same by `samples` (≥ 2) draws.
 EquationTerms estimateTerms(const PathScene& scene, const Ray& ray, int samples, std::uint64_t seed,
                             const PathLimits& limits = {});
 

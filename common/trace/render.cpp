@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include "base/check.h"
 #include "base/error.h"
@@ -57,9 +58,8 @@ class Hash {
     std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-std::uint64_t identityOf(const PathScene& paths, const RenderSettings& settings) {
+void addScene(Hash& hash, const PathScene& paths) {
     const TraceScene& scene = paths.scene();
-    Hash hash;
     hash.addValue(paths.model());
     hash.addValue(fingerprint(scene.scene()));
     for (const TracedSolid& solid : scene.solids()) {
@@ -76,28 +76,51 @@ std::uint64_t identityOf(const PathScene& paths, const RenderSettings& settings)
     const Scene& background = scene.scene();
     hash.add(&background.backgroundTop, sizeof background.backgroundTop);
     hash.add(&background.backgroundBottom, sizeof background.backgroundBottom);
-    const Camera& camera = settings.camera;
-    hash.add(&camera.worldFromCamera, sizeof camera.worldFromCamera);
-    for (const float value : {camera.fovYRadians, camera.apertureRadius, camera.focusDistance,
-                              settings.limits.rouletteThreshold, settings.limits.cutoff, settings.clamp})
-        hash.addValue(value);
-    for (const int value : {settings.width, settings.height, settings.limits.maxBounces, settings.branches})
-        hash.addValue(value);
-    hash.addValue(settings.method);
-    hash.addValue(settings.numbers);
-    hash.addValue(settings.seed);
-    return hash.value();
+}
+
+/// Pixels that lie apart by this are the first that slices take; then those halfway between, and so on.
+constexpr int coarsestStep = 16;
+/// So many pixels are taken between two looks at the clock.
+constexpr std::size_t pixelsALook = 16;
+
+/// The coarsest lattice that a pixel belongs to.
+int stepOf(int x, int y) {
+    int step = coarsestStep;
+    while (((x | y) & (step - 1)) != 0)
+        step /= 2;
+    return step;
 }
 
 }  // namespace
 
+std::uint64_t RenderSettings::identity() const {
+    Hash hash;
+    hash.add(&camera.worldFromCamera, sizeof camera.worldFromCamera);
+    for (const float value : {camera.fovYRadians, camera.apertureRadius, camera.focusDistance,
+                              limits.rouletteThreshold, limits.cutoff, clamp})
+        hash.addValue(value);
+    for (const int value : {width, height, limits.maxBounces, branches})
+        hash.addValue(value);
+    hash.addValue(method);
+    hash.addValue(numbers);
+    hash.addValue(seed);
+    return hash.value();
+}
+
 ProgressiveRender::ProgressiveRender(const PathScene& scene, const RenderSettings& settings)
-    : scene_(scene), settings_(settings), identity_(identityOf(scene, settings)) {
+    : scene_(scene), settings_(settings) {
     QX_CHECK_GT(settings.width, 0);
     QX_CHECK_GT(settings.height, 0);
     QX_CHECK_GE(settings.limits.maxBounces, 0);
     pixels_.resize(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height));
     next_ = pixels_;
+}
+
+std::uint64_t ProgressiveRender::identity() const {
+    Hash hash;
+    addScene(hash, scene_);
+    hash.addValue(settings_.identity());
+    return hash.value();
 }
 
 ProgressiveRender::Pixel ProgressiveRender::sampled(int x, int y, int count, PathCounts& counts) const {
@@ -130,6 +153,7 @@ ProgressiveRender::Pixel ProgressiveRender::sampled(int x, int y, int count, Pat
 bool ProgressiveRender::addSamples(int count, const std::atomic<bool>* stop) {
     QX_CHECK_GE(count, 0);
     QX_CHECK_LE(count, std::numeric_limits<int>::max() - samples_);
+    dropSlices();
     const auto stopped = [stop] { return stop != nullptr && stop->load(std::memory_order_relaxed); };
     std::mutex mutex;
     PathCounts total = counts_;
@@ -155,12 +179,74 @@ bool ProgressiveRender::addSamples(int count, const std::atomic<bool>* stop) {
     return true;
 }
 
+glm::ivec2 ProgressiveRender::placeOf(std::uint32_t index) const {
+    const auto width = static_cast<std::uint32_t>(settings_.width);
+    return {static_cast<int>(index % width), static_cast<int>(index / width)};
+}
+
+void ProgressiveRender::dropSlices() {
+    sliced_ = 0;
+    slicedCounts_ = {};
+}
+
+bool ProgressiveRender::addSlice(std::chrono::steady_clock::time_point until) {
+    QX_CHECK_LT(samples_, std::numeric_limits<int>::max());
+    if (order_.empty())
+        for (int step = coarsestStep; step > 0; step /= 2)
+            for (int y = 0; y < settings_.height; y += step)
+                for (int x = 0; x < settings_.width; x += step)
+                    if (stepOf(x, y) == step)
+                        order_.push_back(static_cast<std::uint32_t>(y * settings_.width + x));
+    std::atomic<std::size_t> next = sliced_;
+    std::mutex mutex;
+    const int workers = tbb::this_task_arena::max_concurrency();
+    tbb::parallel_for(
+        0, workers,
+        [&](int) {
+            PathCounts counts;
+            do {
+                const std::size_t begin = next.fetch_add(pixelsALook);
+                const std::size_t end = std::min(begin + pixelsALook, order_.size());
+                for (std::size_t i = begin; i < end; ++i) {
+                    const glm::ivec2 place = placeOf(order_[i]);
+                    next_[order_[i]] = sampled(place.x, place.y, 1, counts);
+                }
+            } while (next < order_.size() && std::chrono::steady_clock::now() < until);
+            const std::lock_guard lock(mutex);
+            slicedCounts_ += counts;
+        },
+        tbb::simple_partitioner());
+    sliced_ = std::min(next.load(), order_.size());
+    if (sliced_ < order_.size())
+        return false;
+    pixels_.swap(next_);
+    counts_ += slicedCounts_;
+    ++samples_;
+    dropSlices();
+    return true;
+}
+
 Image ProgressiveRender::picture() const {
     Image image(settings_.width, settings_.height, 4, Encoding::linear);
-    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const auto show = [&](std::size_t i, const Pixel& pixel) {
         for (int c = 0; c < 3; ++c)
-            image.data[4 * i + static_cast<std::size_t>(c)] = static_cast<float>(pixels_[i].mean[c]);
+            image.data[4 * i + static_cast<std::size_t>(c)] = static_cast<float>(pixel.mean[c]);
         image.data[4 * i + 3] = 1;
+    };
+    for (std::size_t i = 0; i < pixels_.size(); ++i)
+        show(i, pixels_[i]);
+    for (std::size_t k = 0; k < sliced_; ++k)
+        show(order_[k], next_[order_[k]]);
+    if (samples_ > 0 || sliced_ == 0)
+        return image;
+    for (std::size_t k = sliced_; k < order_.size(); ++k) {
+        const glm::ivec2 place = placeOf(order_[k]);
+        // The next coarser lattice's, which comes earlier in the order.
+        const int step = 2 * stepOf(place.x, place.y);
+        if (step <= coarsestStep) {
+            const float* const coarse = image.pixel(place.x & -step, place.y & -step);
+            std::copy(coarse, coarse + 4, image.pixel(place.x, place.y));
+        }
     }
     return image;
 }
@@ -176,7 +262,7 @@ double ProgressiveRender::errorEstimate() const {
 
 void ProgressiveRender::save(const std::filesystem::path& file) const {
     Head head;
-    head.identity = identity_;
+    head.identity = identity();
     head.width = settings_.width;
     head.height = settings_.height;
     head.samples = samples_;
@@ -202,7 +288,7 @@ void ProgressiveRender::load(const std::filesystem::path& file) {
     std::memcpy(&head, contents.data(), sizeof head);
     if (std::memcmp(head.magic, ours.magic, sizeof ours.magic) != 0)
         throw InputError("not a checkpoint", where, remedy);
-    if (head.identity != identity_ || head.width != settings_.width || head.height != settings_.height)
+    if (head.identity != identity() || head.width != settings_.width || head.height != settings_.height)
         throw InputError("the checkpoint of another picture", where, remedy);
     Hash hash;
     std::uint64_t sum = 0;
@@ -216,6 +302,7 @@ void ProgressiveRender::load(const std::filesystem::path& file) {
                 pixels_.size() * sizeof(Pixel));
     samples_ = head.samples;
     counts_ = {};
+    dropSlices();
 }
 
 Image renderPaths(ProgressiveRender& render, const RenderJob& job) {

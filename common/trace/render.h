@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -27,6 +28,9 @@ struct RenderSettings {
     int branches = 0;
     /// Samples brighter than this, in any channel, count as this: less noise, and a bias. 0: none do.
     float clamp = 0;
+
+    /// A number that is another one for other settings.
+    std::uint64_t identity() const;
 };
 
 /// A picture that gets better pass by pass. The same bits for the same settings, whatever the number of
@@ -40,19 +44,24 @@ class ProgressiveRender {
     /// Adds samples to every pixel, in tiles, on all cores. When `stop` becomes true the pass is given up, as
     /// if it had not begun; false then.
     bool addSamples(int count, const std::atomic<bool>* stop = nullptr);
-    int samples() const { return samples_; }  ///< of every pixel so far
+    /// Goes on with a pass of one sample a pixel, on all cores, until it is whole or `until` has come; a few
+    /// pixels more each time, however late it is. True when the pass is whole. Pixels are taken from coarse
+    /// to fine. `addSamples` and `load` drop a pass that is not whole.
+    bool addSlice(std::chrono::steady_clock::time_point until);
+    int samples() const { return samples_; }  ///< of every pixel so far, in whole passes
 
     /// Means so far, RGBA (A = 1), linear. Where a camera's ray meets nothing and there is no environment,
-    /// the scene's background.
+    /// the scene's background. In a first pass that is not whole yet, pixels without a sample are as the
+    /// coarser ones beside them, or black.
     Image picture() const;
     /// The root of the mean of the pixels' squared standard errors, of RGB: what `picture` is off by, from
     /// the scatter of the samples. Infinite below two samples. Too large where the numbers are stratified,
     /// and blind to light that no sample has met yet.
     double errorEstimate() const;
-    const PathCounts& counts() const { return counts_; }
+    const PathCounts& counts() const { return counts_; }  ///< of whole passes
 
     /// What all is about, as a number: scene, settings. Renders of different ones have different ones.
-    std::uint64_t identity() const { return identity_; }
+    std::uint64_t identity() const;
     /// Writes all that it takes to go on, so that the file is the old one or the new one whatever happens.
     void save(const std::filesystem::path& file) const;
     /// Goes on where `save` left off. InputError for files that are damaged or of another scene or settings.
@@ -65,14 +74,18 @@ class ProgressiveRender {
         double squares = 0;  ///< of all three channels
     };
     Pixel sampled(int x, int y, int count, PathCounts& counts) const;
+    glm::ivec2 placeOf(std::uint32_t index) const;
+    void dropSlices();
 
     const PathScene& scene_;
     RenderSettings settings_;
-    std::uint64_t identity_ = 0;
     int samples_ = 0;
     std::vector<Pixel> pixels_;
     std::vector<Pixel> next_;
     PathCounts counts_;
+    std::vector<std::uint32_t> order_;  ///< of the pixels in slices, from coarse to fine; made when asked for
+    std::size_t sliced_ = 0;            ///< so many of `order_` have their next sample
+    PathCounts slicedCounts_;
 };
 
 /// How a long render goes.

@@ -1,6 +1,7 @@
 #include "trace/scattering_hard_cases.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "math/stress_inputs.h"
 #include "math/ulp.h"
 #include "math/vector.h"
+#include "trace/bsdf.h"
 #include "trace/fresnel.h"
 #include "trace/light_sampling.h"
 #include "trace/microfacet.h"
@@ -654,6 +656,49 @@ HardCaseFigures runRoulette(std::uint64_t inputs, std::uint64_t seed) {
     return tally.figures();
 }
 
+// Values of BSDFs
+
+/// How far a value is from what it is with both directions exchanged; infinite where it is no value at all.
+template <typename Value>
+double asymmetry(const Value& valueOf, vec3 wo, vec3 wi) {
+    const double there = valueOf(wo, wi);
+    const double back = valueOf(wi, wo);
+    if (!(there >= 0 && back >= 0 && std::isfinite(there) && std::isfinite(back)))
+        return infinity;
+    return there == back ? 0 : std::abs(there - back) / std::max(there, back);
+}
+
+/// Directions at the horizon, just below it, opposite to one another, and the same.
+HardCaseFigures runGrazingLobes(std::uint64_t inputs, std::uint64_t seed) {
+    StressInputs draw(seed);
+    Tally tally;
+    const auto direction = [&](bool grazing) {
+        dvec3 d = draw.direction();
+        if (grazing)
+            d.z = draw.magnitude(-40, -3) * (draw.random().below(4) == 0 ? -1 : 1);
+        else
+            d.z = std::abs(d.z);
+        return vec3(glm::normalize(d));
+    };
+    for (std::uint64_t i = 0; i < inputs; ++i) {
+        const vec3 wo = direction(i % 2 == 0);
+        const vec3 wi = i % 8 == 1 ? -wo : i % 8 == 3 ? wo : direction(i % 4 != 1);
+        const auto exponent = static_cast<float>(draw.magnitude(0, 17));
+        const vec3 color(0.5f);
+        const std::array<Bsdf, 4> lobes = {PhongBsdf{color, color, exponent},
+                                           BlinnPhongBsdf{color, color, exponent},
+                                           GgxConductor{color, std::sqrt(2 / (exponent + 2))},
+                                           MetallicRoughness{color, color, std::sqrt(2 / (exponent + 2))}};
+        double worst = 0;
+        for (const Bsdf& lobe : lobes)
+            worst = worse(worst, asymmetry([&](vec3 o, vec3 in) { return evaluate(lobe, o, in).g; }, wo, wi));
+        tally.add(
+            asymmetry([&](vec3 o, vec3 in) { return microfacetLobeNaive(o, in, exponent); }, wo, wi), worst,
+            [&] { return "wo=" + hexVector(wo) + " wi=" + hexVector(wi) + " exponent=" + hex(exponent); });
+    }
+    return tally.figures();
+}
+
 // Small lights
 
 HardCaseFigures runPointLight(std::uint64_t inputs, std::uint64_t seed) {
@@ -741,6 +786,8 @@ std::span<const HardCase> microfacetHardCases() {
         {"ggxDistribution", "alpha 1e-4 … 1, h within and around the lobe, and on n", "ulp", halfUlp,
          "|n × h|² + alpha² (n·h)²", &runGgxAtLobe},
         {"ggxDistribution", "alpha 0 and 2^-140 … 2^-14", "ulp", halfUlp, "a least alpha", &runGgxSmooth},
+        {"evaluate", "grazing, opposite and same directions, exponents 1 … 10^5", "asymmetry, relative", 1e-5,
+         "black below the horizon, directions told apart by their cross product", &runGrazingLobes},
         {"smithG1", "cosines 2^-100 … 1", "ulp", halfUlp, "no tangent; Heitz 2014", &runSmithG1},
         {"smithVisibility", "cosines 2^-60 … 1", "ulp", halfUlp, "G2 / (4 cos cos) as one; Heitz 2014",
          &runSmithVisibility},

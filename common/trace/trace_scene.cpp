@@ -217,6 +217,7 @@ struct TraceScene::Parts {
     std::vector<SolidFrame> placedSolids;
     BoxTree boxes;  ///< of `shared`, then of `placedSolids`
     Bounds bounds;
+    bool blends = false;
 
     /// What is nearest so far.
     struct Found {
@@ -333,6 +334,9 @@ void TraceScene::Parts::build(Structure structure) {
         }
     boxes = BoxTree(around);
     bounds.extend(boxes.bounds());
+    blends = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
+        return material.alphaMode == Material::AlphaMode::blend;
+    });
 }
 
 TraceScene::TraceScene(Scene scene, std::vector<TracedSolid> solids, Structure structure)
@@ -699,19 +703,79 @@ Ray TraceScene::leave(const SurfacePoint& point, glm::vec3 direction) {
     return {movedOff(point, direction, point.positionError), direction};
 }
 
-bool TraceScene::visible(const SurfacePoint& from, const SurfacePoint& to, TraversalCounts* counts) const {
+namespace {
+
+/// The ray between two points is rounded, once here and once in the frame of an instance, so that its end is
+/// off by that as well.
+glm::vec3 endOf(const SurfacePoint& from, const SurfacePoint& to) {
     const glm::vec3 between = to.position - from.position;
-    const glm::vec3 origin = movedOff(from, between, from.positionError);
-    // The direction is rounded, once here and once in the frame of an instance, so that its end is off by
-    // that as well.
-    const glm::vec3 target = movedOff(
-        to, -between, to.positionError + 0x1p-22f * (glm::abs(between) + glm::length(between) * 0x1p-2f));
-    return !occluded({origin, target - origin}, {0, 1}, counts);
+    return movedOff(to, -between,
+                    to.positionError + 0x1p-22f * (glm::abs(between) + glm::length(between) * 0x1p-2f));
+}
+
+Ray rayTo(const SurfacePoint& from, glm::vec3 end) {
+    const glm::vec3 origin = movedOff(from, end - from.position, from.positionError);
+    return {origin, end - origin};
+}
+
+}  // namespace
+
+bool TraceScene::visible(const SurfacePoint& from, const SurfacePoint& to, TraversalCounts* counts) const {
+    const glm::vec3 origin = movedOff(from, to.position - from.position, from.positionError);
+    return !occluded({origin, endOf(from, to) - origin}, {0, 1}, counts);
 }
 
 bool TraceScene::visible(const SurfacePoint& from, glm::vec3 to, TraversalCounts* counts) const {
-    const glm::vec3 origin = movedOff(from, to - from.position, from.positionError);
-    return !occluded({origin, to - origin}, {0, 1}, counts);
+    return !occluded(rayTo(from, to), {0, 1}, counts);
+}
+
+bool TraceScene::blends() const {
+    return parts_->blends;
+}
+
+float TraceScene::coverAt(const SurfacePoint& point, const SurfaceValues& values) const {
+    return parts_->scene.materials[point.material].alphaMode == Material::AlphaMode::blend
+               ? values.baseColor.a
+               : 1.0f;
+}
+
+template <typename GoOn>
+float TraceScene::clearShareOf(Ray ray, RayInterval interval, TraversalCounts* counts,
+                               const GoOn& goOn) const {
+    float share = 1;
+    while (share > 0) {
+        const std::optional<SurfacePoint> point = nearest(ray, interval, counts);
+        if (!point)
+            break;
+        share *= 1 - coverAt(*point, valuesAt(*point));
+        ray = goOn(*point);
+    }
+    return share;
+}
+
+float TraceScene::clearShare(const SurfacePoint& from, const SurfacePoint& to,
+                             TraversalCounts* counts) const {
+    if (!blends())
+        return visible(from, to, counts) ? 1.0f : 0.0f;
+    const glm::vec3 end = endOf(from, to);
+    const glm::vec3 origin = movedOff(from, to.position - from.position, from.positionError);
+    return clearShareOf({origin, end - origin}, {0, 1}, counts,
+                        [&](const SurfacePoint& between) { return rayTo(between, end); });
+}
+
+float TraceScene::clearShare(const SurfacePoint& from, glm::vec3 to, TraversalCounts* counts) const {
+    if (!blends())
+        return visible(from, to, counts) ? 1.0f : 0.0f;
+    return clearShareOf(rayTo(from, to), {0, 1}, counts,
+                        [&](const SurfacePoint& between) { return rayTo(between, to); });
+}
+
+float TraceScene::clearShareAlong(const SurfacePoint& from, glm::vec3 direction,
+                                  TraversalCounts* counts) const {
+    if (!blends())
+        return occluded(leave(from, direction), {}, counts) ? 0.0f : 1.0f;
+    return clearShareOf(leave(from, direction), {}, counts,
+                        [&](const SurfacePoint& between) { return leave(between, direction); });
 }
 
 std::optional<SurfacePoint> nearestDrawn(const TraceScene& scene, const Ray& ray, RayInterval interval) {

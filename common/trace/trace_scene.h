@@ -61,8 +61,8 @@ struct SurfaceValues {
 /// triangles; of those that are used several times there is one structure, and instances of it; solids stay
 /// what they are. Cut-outs (Material::AlphaMode::mask) let rays through where they have no surface; where
 /// two of them lie within an ulp of t on one another, the second may be passed too. Surfaces that blend
-/// count as whole. What is not finite is left out: triangles as intersectTriangle says, instances whose
-/// placement is not. Read by any number of threads.
+/// (Material::AlphaMode::blend) count as whole but where `coverAt` is asked. What is not finite is left out:
+/// triangles as intersectTriangle says, instances whose placement is not. Read by any number of threads.
 class TraceScene {
   public:
     explicit TraceScene(Scene scene, std::vector<TracedSolid> solids = {},
@@ -79,6 +79,12 @@ class TraceScene {
 
     SurfaceValues valuesAt(const SurfacePoint& point) const;
 
+    /// Whether any surface blends.
+    bool blends() const;
+    /// The share of light that a surface with these values keeps from going straight through: the base
+    /// colour's alpha where its material blends, else 1.
+    float coverAt(const SurfacePoint& point, const SurfaceValues& values) const;
+
     std::optional<SurfacePoint> nearest(const Ray& ray, RayInterval interval = {},
                                         TraversalCounts* counts = nullptr) const;
     /// Whether anything solid lies in the interval.
@@ -91,8 +97,19 @@ class TraceScene {
     bool visible(const SurfacePoint& from, const SurfacePoint& to, TraversalCounts* counts = nullptr) const;
     bool visible(const SurfacePoint& from, glm::vec3 to, TraversalCounts* counts = nullptr) const;
 
+    /// The share of light that comes through between the same, and from infinitely far: what is left when
+    /// each surface has kept its cover. 1 where nothing stands between, 0 behind what does not blend.
+    float clearShare(const SurfacePoint& from, const SurfacePoint& to,
+                     TraversalCounts* counts = nullptr) const;
+    float clearShare(const SurfacePoint& from, glm::vec3 to, TraversalCounts* counts = nullptr) const;
+    float clearShareAlong(const SurfacePoint& from, glm::vec3 direction,
+                          TraversalCounts* counts = nullptr) const;
+
   private:
     struct Parts;
+    template <typename GoOn>
+    float clearShareOf(Ray ray, RayInterval interval, TraversalCounts* counts, const GoOn& goOn) const;
+
     std::unique_ptr<Parts> parts_;
 };
 

@@ -13,9 +13,18 @@
 namespace quincunx {
 namespace {
 
-/// Passes that a window adds to a picture at a time.
-constexpr int samplesAFrame = 1;
+using Clock = std::chrono::steady_clock;
+
+/// How long a window's frame is worked at before what there is is shown: a share of the time that nothing has
+/// changed for, so that a hand on a knob sees many frames and a picture at rest is soon whole.
+constexpr int restShare = 8;
+constexpr std::chrono::milliseconds leastSlice{8};
+constexpr std::chrono::milliseconds longestSlice{32};
+/// The terms' part of it.
+constexpr int termShare = 4;
 constexpr int termSamples = 2048;
+/// So many are drawn between two looks at the clock.
+constexpr int termsALook = 16;
 
 /// Rays that a tree has at its last level, at most: each level has `branches` times those of the one before.
 constexpr int mostLeaves = 64;
@@ -63,6 +72,9 @@ void PathTracingLab::useScene(Scene scene) {
     if (!shines)
         scene.lights = studioLights();
     imported_ = std::move(scene);
+    live_ = {};
+    whole_ = {};
+    terms_.reset();
     stage_.reset();
 }
 
@@ -70,11 +82,12 @@ const PathStage& PathTracingLab::stage() {
     const std::pair<int, float> wanted{subject.index(), albedo};
     if (stage_ && (imported_ || staged_ == wanted))
         return *stage_;
-    render_.reset();
+    live_ = {};
+    whole_ = {};
+    terms_.reset();
     stage_ = std::make_unique<PathStage>(imported_ ? PathSet{*imported_, {}, OpaqueModel::metallicRoughness}
                                                    : makeSet(subject.as<Subject>(), albedo));
     staged_ = wanted;
-    termsOf_ = 0;
     return *stage_;
 }
 
@@ -121,25 +134,32 @@ RenderSettings PathTracingLab::settings(const Frame& frame) const {
             .clamp = clamp};
 }
 
-void PathTracingLab::traceFrame(const Frame& frame) {
+ProgressiveRender& PathTracingLab::renderOf(const Frame& frame) {
     const PathStage& scene = stage();
-    auto fresh = std::make_unique<ProgressiveRender>(scene.paths, settings(frame));
-    if (!render_ || render_->identity() != fresh->identity()) {
-        render_ = std::move(fresh);
-        uploaded_ = false;
+    const RenderSettings asked = settings(frame);
+    Rendered& slot = frame.live ? live_ : whole_;
+    if (!slot.render || slot.settings != asked.identity() || slot.render->samples() > samples) {
+        slot = {std::make_unique<ProgressiveRender>(scene.paths, asked), asked.identity()};
+        begun_ = Clock::now();
     }
-    if (render_->samples() > samples)
-        render_ = std::make_unique<ProgressiveRender>(scene.paths, settings(frame));
-    if (render_->samples() < samples) {
-        if (frame.live)
-            render_->addSamples(samplesAFrame);
-        else
-            renderPaths(*render_, {.samples = frame.unseen ? 1 : samples,
-                                   .checkpoint = frame.unseen ? std::string() : checkpoint.value(),
-                                   .stop = &interruptFlag()});
-        uploaded_ = false;
+    return *slot.render;
+}
+
+bool PathTracingLab::isConverging() const {
+    return (live_.render && live_.render->samples() < samples) ||
+           (terms && terms_ && terms_->samples() < termSamples);
+}
+
+void PathTracingLab::traceFrame(ProgressiveRender& render, const Frame& frame, Clock::time_point until) {
+    if (frame.live) {
+        while (render.samples() < samples && render.addSlice(until) && Clock::now() < until) {
+        }
+    } else if (render.samples() < samples) {
+        renderPaths(render, {.samples = frame.unseen ? 1 : samples,
+                             .checkpoint = frame.unseen ? std::string() : checkpoint.value(),
+                             .stop = &interruptFlag()});
     }
-    counters_ = {{"rays", render_->counts().rays()}, {"shadow rays", render_->counts().shadowRays}};
+    counters_ = {{"rays", render.counts().rays()}, {"shadow rays", render.counts().shadowRays}};
 }
 
 Lab::ReferenceJob PathTracingLab::reference(const Frame& frame) const {
@@ -166,15 +186,17 @@ graph::Resource PathTracingLab::build(graph::FrameGraph& graph, const Frame& fra
 }
 
 void PathTracingLab::draw(graph::PassContext& context, const Frame& frame) {
-    traceFrame(frame);
+    const Clock::time_point start = Clock::now();
+    ProgressiveRender& render = renderOf(frame);
+    const auto slice = std::clamp<Clock::duration>((start - begun_) / restShare, leastSlice, longestSlice);
+    labels_.clear();
+    if (terms)
+        addTerms(frame, start + slice / termShare);
+    traceFrame(render, frame, start + slice);
     constexpr int unit = 1;
-    if (!texture_ || texture_->width() != frame.width || texture_->height() != frame.height) {
+    if (!texture_ || texture_->width() != frame.width || texture_->height() != frame.height)
         texture_.emplace("light", GL_RGBA32F, frame.width, frame.height);
-        uploaded_ = false;
-    }
-    if (!uploaded_)
-        gl::upload(*texture_, 0, 0, render_->picture());
-    uploaded_ = true;
+    gl::upload(*texture_, 0, 0, render.picture());
     const gl::Program& program = context.programs().get({.label = "show light",
                                                          .vertex = "passes/fullscreen.vert",
                                                          .fragment = "labs/27_path_tracing/show.frag"});
@@ -183,23 +205,29 @@ void PathTracingLab::draw(graph::PassContext& context, const Frame& frame) {
     program.set("exposure", static_cast<float>(exposure));
     texture_->bind(unit);
     context.drawFullscreen();
-    labels_.clear();
-    if (terms)
-        addTerms(frame);
     labels_.draw(context, {frame.width, frame.height});
 }
 
-void PathTracingLab::addTerms(const Frame& frame) {
+void PathTracingLab::addTerms(const Frame& frame, Clock::time_point until) {
+    const PathStage& scene = stage();
+    const RenderSettings asked = settings(frame);
     const std::pair<float, float> pick{pickX, pickY};
     const glm::vec2 at(pickX * static_cast<float>(frame.width), pickY * static_cast<float>(frame.height));
-    if (termsOf_ != render_->identity() || picked_ != pick) {
-        const RenderSettings asked = settings(frame);
-        found_ = estimateTerms(stage().paths, cameraRay(asked.camera, frame.width, frame.height, at),
-                               termSamples, frame.seed, asked.limits);
-        termsOf_ = render_->identity();
+    if (!terms_ || termsOf_ != asked.identity() || picked_ != pick) {
+        terms_.emplace(scene.paths, cameraRay(asked.camera, frame.width, frame.height, at), frame.seed,
+                       asked.limits);
+        termsOf_ = asked.identity();
         picked_ = pick;
     }
-    const float size = std::clamp(static_cast<float>(frame.height) / 32, 8.0f, 22.0f);
+    const int wanted = frame.unseen ? termsALook : termSamples;
+    do
+        terms_->add(std::clamp(wanted - terms_->samples(), 0, termsALook));
+    while (terms_->samples() < wanted && (!frame.live || Clock::now() < until));
+    drawTerms(at, static_cast<float>(frame.height), terms_->terms());
+}
+
+void PathTracingLab::drawTerms(glm::vec2 at, float height, const EquationTerms& found) {
+    const float size = std::clamp(height / 32, 8.0f, 22.0f);
     // A cross at the point.
     const glm::vec4 mark(1, 0.75f, 0.1f, 1);
     const float arm = 0.6f * size;
@@ -212,13 +240,13 @@ void PathTracingLab::addTerms(const Frame& frame) {
         glm::vec3 light;
         glm::vec3 error;
     };
-    const std::array rows{Row{"Le  emitted", found_.emitted, glm::vec3(0)},
-                          Row{"∫ from lights", found_.direct, found_.directError},
-                          Row{"∫ from surfaces", found_.indirect, found_.indirectError},
-                          Row{"Lo  their sum", found_.sum(),
-                              glm::sqrt(found_.directError * found_.directError +
-                                        found_.indirectError * found_.indirectError)}};
-    const float whole = std::max(luminance(found_.sum()), 1e-30f);
+    const std::array rows{
+        Row{"Le  emitted", found.emitted, glm::vec3(0)},
+        Row{"∫ from lights", found.direct, found.directError},
+        Row{"∫ from surfaces", found.indirect, found.indirectError},
+        Row{"Lo  their sum", found.sum(),
+            glm::sqrt(found.directError * found.directError + found.indirectError * found.indirectError)}};
+    const float whole = std::max(luminance(found.sum()), 1e-30f);
     const float left = 0.8f * size;
     float top = 0.8f * size;
     const float barWidth = 8 * size;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 
@@ -34,7 +35,7 @@ class PathTracingLab final : public Lab {
     void markIdleKnobs() override;
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
-    bool isConverging() const override { return render_ && render_->samples() < samples; }
+    bool isConverging() const override;
     ReferenceJob reference(const Frame& frame) const override;
     std::string referenceName() const override { return "the furnace's light in closed form"; }
     std::vector<Question> questions() override;
@@ -80,18 +81,27 @@ class PathTracingLab final : public Lab {
     const PathStage& stage();
 
   private:
-    void traceFrame(const Frame& frame);
+    /// A picture with the settings that it is made by.
+    struct Rendered {
+        std::unique_ptr<ProgressiveRender> render;
+        std::uint64_t settings = 0;
+    };
+    ProgressiveRender& renderOf(const Frame& frame);
+    void traceFrame(ProgressiveRender& render, const Frame& frame,
+                    std::chrono::steady_clock::time_point until);
     void draw(graph::PassContext& context, const Frame& frame);
-    void addTerms(const Frame& frame);
+    void addTerms(const Frame& frame, std::chrono::steady_clock::time_point until);
+    void drawTerms(glm::vec2 at, float height, const EquationTerms& found);
 
     std::optional<Scene> imported_;
     std::unique_ptr<PathStage> stage_;
     std::pair<int, float> staged_{-1, 0};
-    std::unique_ptr<ProgressiveRender> render_;
-    bool uploaded_ = false;
+    Rendered live_;   ///< a window's, which goes on from frame to frame
+    Rendered whole_;  ///< of frames that are whole at once
+    std::chrono::steady_clock::time_point begun_;
+    std::optional<TermEstimate> terms_;
     std::uint64_t termsOf_ = 0;
     std::pair<float, float> picked_{-1, -1};
-    EquationTerms found_;
     std::optional<gl::Texture2D> texture_;
     Labels labels_;
     std::map<std::string, std::uint64_t> counters_;

@@ -1,17 +1,13 @@
 // Files that lie, break off or make no sense: each is loaded or refused with one line, in bounded memory.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
-#include <new>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <malloc.h>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -21,49 +17,8 @@
 #include "scene/import_formats.h"
 #include "tests/common/scene/gltf_file.h"
 #include "tests/common/scene/random_scene.h"
+#include "tests/support/allocations.h"
 #include "tests/support/temporary_folder.h"
-
-namespace {
-
-std::atomic<std::size_t> allocatedNow{0};
-std::atomic<std::size_t> allocatedMost{0};
-
-void* counted(void* memory) {
-    if (!memory)
-        throw std::bad_alloc();
-    const std::size_t now = allocatedNow += malloc_usable_size(memory);
-    std::size_t most = allocatedMost;
-    while (now > most && !allocatedMost.compare_exchange_weak(most, now)) {
-    }
-    return memory;
-}
-
-void release(void* memory) {
-    if (memory)
-        allocatedNow -= malloc_usable_size(memory);
-    std::free(memory);
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-    return counted(std::malloc(size));
-}
-void* operator new[](std::size_t size) {
-    return counted(std::malloc(size));
-}
-void operator delete(void* memory) noexcept {
-    release(memory);
-}
-void operator delete[](void* memory) noexcept {
-    release(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    release(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-    release(memory);
-}
 
 namespace quincunx {
 namespace {
@@ -129,13 +84,13 @@ void expectWhole(const Scene& scene) {
 
 Outcome attempt(const std::string& contents, bool isObj = false) {
     Outcome outcome;
-    allocatedMost = allocatedNow.load();
-    const std::size_t before = allocatedNow;
+    test::restartMostAllocatedBytes();
+    const std::size_t before = test::allocatedBytes();
     try {
         const ImportedScene imported =
             isObj ? importObj(contents, "hostile.obj") : importGltf(contents, "hostile.gltf");
         outcome.loaded = true;
-        outcome.mostBytes = allocatedMost - before;
+        outcome.mostBytes = test::mostAllocatedBytes() - before;
         expectWhole(imported.scene);
         for (const std::string& warning : imported.warnings)
             EXPECT_EQ(warning.find('\n'), std::string::npos) << warning;
@@ -146,7 +101,7 @@ Outcome attempt(const std::string& contents, bool isObj = false) {
         EXPECT_LT(outcome.error.size(), 1000u);
     }
     if (!outcome.loaded)
-        outcome.mostBytes = allocatedMost - before;
+        outcome.mostBytes = test::mostAllocatedBytes() - before;
     return outcome;
 }
 

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <cstdint>
 #include <functional>
-#include <new>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,39 +11,8 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "geometry/mesh_builder.h"
+#include "tests/support/allocations.h"
 #include "tests/support/oracle.h"
-
-namespace {
-
-thread_local std::size_t allocations = 0;
-
-void* counted(std::size_t size) {
-    ++allocations;
-    if (void* const memory = std::malloc(size > 0 ? size : 1))
-        return memory;
-    throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-    return counted(size);
-}
-void* operator new[](std::size_t size) {
-    return counted(size);
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
 
 namespace quincunx {
 namespace {
@@ -403,10 +371,10 @@ TEST(Csg, AllocatesNothingOnceWarm) {
     std::size_t found = 0;
     for (const Ray& ray : rays)
         found += solid.nearest(ray, {}, scratch).has_value();
-    const std::size_t before = allocations;
+    const std::uint64_t before = test::allocationCount();
     for (const Ray& ray : rays)
         found += solid.nearest(ray, {}, scratch).has_value();
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(test::allocationCount(), before);
     EXPECT_GT(found, 0u);
 }
 

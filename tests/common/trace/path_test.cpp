@@ -1,10 +1,9 @@
 #include "trace/path.h"
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
-#include <new>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -13,45 +12,10 @@
 #include "base/error.h"
 #include "image/compare.h"
 #include "math/transform.h"
+#include "tests/support/allocations.h"
 #include "tests/support/temporary_folder.h"
 #include "trace/path_scenes.h"
 #include "trace/render.h"
-
-namespace {
-
-std::atomic<std::uint64_t> allocations{0};
-
-[[gnu::noinline]] void* counted(std::size_t size) {
-    ++allocations;
-    if (void* const memory = std::malloc(size))
-        return memory;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void release(void* memory) {
-    std::free(memory);
-}
-
-}  // namespace
-
-// Counts what is allocated by this program.
-void* operator new(std::size_t size) {
-    return counted(size);
-}
-void* operator new[](std::size_t size) {
-    return counted(size);
-}
-void operator delete(void* memory) noexcept {
-    release(memory);
-}
-void operator delete[](void* memory) noexcept {
-    release(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    release(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-    release(memory);
-}
 
 namespace quincunx {
 namespace {
@@ -170,6 +134,85 @@ TEST(Path, TheTreeAgreesWithThePaths) {
         EXPECT_EQ(counts.raysAtLevel[level], 300 * std::pow(3.0, level)) << level;
 }
 
+/// A flat sheet across the view, facing +y, of which a ray goes through with the probability ¾.
+void addVeil(Scene& scene, float height, glm::vec3 emission = glm::vec3(0)) {
+    Material veil;
+    veil.baseColor = {0, 0, 0, 0.25f};
+    veil.emission = emission;
+    veil.alphaMode = Material::AlphaMode::blend;
+    Mesh mesh;
+    mesh.positions = {{-50, height, -50}, {-50, height, 50}, {50, height, 50}, {50, height, -50}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    scene.instances.push_back({"veil", scene.meshes.size(), scene.materials.size(), glm::mat4(1)});
+    scene.meshes.push_back(mesh);
+    scene.materials.push_back(veil);
+}
+
+TEST(Path, SurfacesThatBlendLetTheirShareOfLightThrough) {
+    // Two veils between the shining ball and the floor, and three between that and an eye above them all.
+    PathSet set = makeBallOverFloor(0.5f, 0.4f, 2);
+    for (const float height : {0.5f, 1.0f, 3.0f})
+        addVeil(set.scene, height);
+    const double clear = ballOverFloorRadiance(0.5, static_cast<double>(0.4f), 2, 1);
+    const Ready veiled(set);
+    const PathLimits direct{.maxBounces = 1, .rouletteThreshold = 0};
+    for (const bool above : {false, true})
+        for (const PathMethod method : allMethods) {
+            const Ray ray{{1, above ? 4.0f : 0.3f, 0}, {0, -1, 0}};
+            const double share = std::pow(0.75, above ? 5 : 2);
+            const Estimate light = estimate(above ? 60000 : 30000, [&](PathSampler& sampler) {
+                return tracePath(method, veiled.paths, ray, sampler, direct).g;
+            });
+            EXPECT_LT(std::abs(light.t(share * clear)), farOff) << static_cast<int>(method) << above;
+            EXPECT_GT(std::abs(light.t(clear)), 2 * farOff) << "as much as without veils";
+        }
+    // What is behind blends as pictures do: a quarter of the veil, three of the rest.
+    PathSet sky;
+    sky.scene.environment.emplace().panorama = Image(1, 1, 3, Encoding::linear);
+    std::fill_n(sky.scene.environment->panorama.data.begin(), 3, 1.0f);
+    sky.scene.cameras.emplace_back();
+    addVeil(sky.scene, 0, {8, 8, 8});
+    const Ready shining(sky);
+    const Estimate both = estimate(20000, [&](PathSampler& sampler) {
+        return tracePathMis(shining.paths, {{0, 1, 0}, {0, -1, 0}}, sampler).g;
+    });
+    EXPECT_LT(std::abs(both.t(0.25 * 8 + 0.75 * 1)), farOff);
+}
+
+TEST(Path, LightsThatBlendAreFoundByChanceAndByChoiceAlike) {
+    PathSet set = makeBallOverFloor(0.5f, 0.4f, 2);
+    set.scene.materials[set.solids[0].material].emission = glm::vec3(0);
+    Material lamp;
+    lamp.baseColor = {0, 0, 0, 0.5f};
+    lamp.emission = glm::vec3(3);
+    lamp.doubleSided = true;
+    lamp.alphaMode = Material::AlphaMode::blend;
+    Mesh mesh;
+    mesh.positions = {{-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    set.scene.instances.push_back(
+        {"lamp", set.scene.meshes.size(), set.scene.materials.size(), glm::mat4(1)});
+    set.scene.meshes.push_back(mesh);
+    set.scene.materials.push_back(lamp);
+    const Ready ready(set);
+    const Ray ray{{0.3f, 0.5f, 0}, {0, -1, 0}};
+    const auto by = [&](PathMethod method) {
+        return estimate(20000, [&](PathSampler& sampler) {
+            return tracePath(method, ready.paths, ray, sampler, {.maxBounces = 1}).g;
+        });
+    };
+    const Estimate naive = by(PathMethod::naive);
+    for (const PathMethod method : {PathMethod::nee, PathMethod::mis}) {
+        const Estimate other = by(method);
+        EXPECT_GT(other.mean, 0.1);
+        EXPECT_LT(std::abs(other.mean - naive.mean) / std::hypot(other.error, naive.error), farOff);
+    }
+    // The terms at the point: all of the light comes straight from the lamp.
+    const EquationTerms terms = estimateTerms(ready.paths, ray, 20000, 3, {.maxBounces = 0});
+    EXPECT_LT(std::abs(terms.direct.g - naive.mean) / std::hypot(terms.directError.g, naive.error), farOff);
+    EXPECT_LT(std::abs(terms.indirect.g), farOff * terms.indirectError.g + 1e-6);
+}
+
 TEST(Path, EnvironmentsLightByChanceAndByChoiceAlike) {
     PathSet set;
     set.model = OpaqueModel::lambert;
@@ -248,6 +291,23 @@ TEST(Path, TheTermsOfTheEquationAddUp) {
     EXPECT_NEAR(terms.indirect.g, 0.5, farOff * terms.indirectError.g);
     EXPECT_GT(terms.indirectError.g, 0);
     EXPECT_LT(terms.indirectError.g, 0.02f);
+}
+
+TEST(Path, TheTermsAreTheSameHoweverTheirDrawsAreSharedOut) {
+    const Ready chamber(makeChamber());
+    const Ray ray = cameraRay(chamber.camera, 8, 8, {3.5f, 6.5f});
+    const EquationTerms whole = estimateTerms(chamber.paths, ray, 300, 3, {.maxBounces = 5});
+    TermEstimate parts(chamber.paths, ray, 3, {.maxBounces = 5});
+    EXPECT_EQ(parts.terms().direct, glm::vec3(0));
+    EXPECT_TRUE(std::isinf(parts.terms().directError.g));
+    for (const int samples : {1, 0, 99, 200})
+        parts.add(samples);
+    EXPECT_EQ(parts.samples(), 300);
+    EXPECT_EQ(parts.terms().direct, whole.direct);
+    EXPECT_EQ(parts.terms().indirect, whole.indirect);
+    EXPECT_EQ(parts.terms().directError, whole.directError);
+    EXPECT_EQ(parts.terms().indirectError, whole.indirectError);
+    EXPECT_GT(whole.sum().g, 0);
 }
 
 TEST(Path, RouletteKeepsTheMeanAndACutoffLosesLight) {
@@ -335,15 +395,62 @@ TEST(ProgressiveRender, IsTheSameOnAnyNumberOfThreadsAndInAnyPasses) {
     EXPECT_EQ(all.counts().raysAtLevel, parts.counts().raysAtLevel);
 }
 
+TEST(ProgressiveRender, SlicesOfAPassAddUpToIt) {
+    const Ready chamber(makeChamber());
+    const auto past = std::chrono::steady_clock::time_point::min();
+    RenderSettings settings = smallSettings(chamber);
+    settings.width = 45;
+    settings.height = 35;
+    ProgressiveRender whole(chamber.paths, settings);
+    ProgressiveRender sliced(chamber.paths, settings);
+    for (int pass = 1; pass <= 3; ++pass) {
+        whole.addSamples(1);
+        int slices = 1;
+        while (!sliced.addSlice(past))
+            ++slices;
+        EXPECT_EQ(sliced.samples(), pass);
+        // Every slice goes on by 16 pixels for each of the threads, however late it is.
+        EXPECT_GT(slices, 5);
+        EXPECT_EQ(sliced.picture(), whole.picture());
+        EXPECT_EQ(sliced.errorEstimate(), whole.errorEstimate());
+        EXPECT_EQ(sliced.counts().rays(), whole.counts().rays());
+    }
+    sliced.addSlice(past);
+    EXPECT_EQ(sliced.samples(), 3);
+    whole.addSamples(2);
+    sliced.addSamples(2);
+    EXPECT_EQ(sliced.picture(), whole.picture());
+    while (!sliced.addSlice(std::chrono::steady_clock::time_point::max())) {
+    }
+    whole.addSamples(1);
+    EXPECT_EQ(sliced.picture(), whole.picture());
+}
+
+TEST(ProgressiveRender, ShowsAFirstPassFromCoarseToFine) {
+    const Ready furnace(makeFurnace(0));
+    ProgressiveRender render(furnace.paths, {.width = 70, .height = 37, .camera = furnace.camera});
+    int slices = 0;
+    bool whole = false;
+    while (!whole) {
+        whole = render.addSlice(std::chrono::steady_clock::time_point::min());
+        ++slices;
+        const Image picture = render.picture();
+        // Five by three pixels lie on the coarsest lattice: they are there at once.
+        for (std::size_t i = 0; i < picture.data.size(); ++i)
+            ASSERT_EQ(picture.data[i], 1) << slices;
+    }
+    EXPECT_GT(slices, 3);
+}
+
 TEST(ProgressiveRender, TakesNoMemoryForRays) {
     const Ready chamber(makeChamber());
     const auto allocated = [&](int samples) {
         const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
         ProgressiveRender render(chamber.paths, smallSettings(chamber));
         render.addSamples(1);
-        const std::uint64_t before = allocations;
+        const std::uint64_t before = test::allocationCount();
         render.addSamples(samples);
-        return allocations - before;
+        return test::allocationCount() - before;
     };
     allocated(1);
     const std::uint64_t few = allocated(1);

@@ -205,26 +205,35 @@ DrivenWindow::DrivenWindow(const Options& options) : options_(options), screen_(
     settle();
 }
 
-void DrivenWindow::act(std::vector<std::string> words) const {
+void DrivenWindow::act(std::vector<std::string> words, Until until) const {
     words.insert(words.begin(), "xdotool");
     const ProcessResult result = runProcess(words);
     if (result.exitStatus != 0)
         throw std::runtime_error("xdotool failed: install the package xdotool\n" + result.text());
-    settle();
+    if (until == Until::shown)
+        awaitFrames();
+    else
+        settle();
 }
 
-void DrivenWindow::press(const std::string& key) const {
+void DrivenWindow::press(const std::string& key, Until until) const {
     // Dear ImGui looks at the keys, like at the pointer, once a frame.
-    act({"keydown", key});
-    act({"keyup", key});
+    act({"keydown", key}, until);
+    act({"keyup", key}, until);
 }
 
-void DrivenWindow::settle() const {
+void DrivenWindow::awaitFrames() const {
     if (!process_)
         return;
     for (int i = 0; i < pingsPerAct && screen_->ping(options_.lab); ++i)
         if (!waitUntil([this] { return screen_->answered() || hasEnded(process_->id()); }))
             throw std::runtime_error("the window does not answer");
+}
+
+void DrivenWindow::settle() const {
+    if (!process_)
+        return;
+    awaitFrames();
     const Clock::time_point end = Clock::now() + patience;
     for (int samples = 0; samples < sleepingSamples && Clock::now() < end; ++samples) {
         screen_->sync();
@@ -234,11 +243,11 @@ void DrivenWindow::settle() const {
     }
 }
 
-void DrivenWindow::click(int x, int y, int button) const {
+void DrivenWindow::click(int x, int y, int button, Until until) const {
     // Down and up one after the other, as a hand does: Dear ImGui looks at the pointer once a frame.
     const std::string number = std::to_string(button);
-    act({"mousemove", std::to_string(x), std::to_string(y), "mousedown", number});
-    act({"mouseup", number});
+    act({"mousemove", std::to_string(x), std::to_string(y), "mousedown", number}, until);
+    act({"mouseup", number}, until);
 }
 
 std::filesystem::path DrivenWindow::screenshot(int number, const std::string& key) const {

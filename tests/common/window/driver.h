@@ -81,11 +81,13 @@ class DrivenWindow {
     Area panelArea() const { return {options_.width, 0, area_.width - options_.width, area_.height}; }
     Image8 picture() const { return screen_->look(pictureArea()); }
 
+    /// What an act waits for: frames that show what it did, or that nothing is left to do.
+    enum class Until { shown, settled };
     /// Sends real events (words of xdotool) and waits until the window has answered.
-    void act(std::vector<std::string> words) const;
-    void press(const std::string& key) const;
+    void act(std::vector<std::string> words, Until until = Until::settled) const;
+    void press(const std::string& key, Until until = Until::settled) const;
     /// Moves the pointer there, and presses and lets go of a button.
-    void click(int x, int y, int button = 1) const;
+    void click(int x, int y, int button = 1, Until until = Until::settled) const;
     /// A drag with the button, in pixels of the screen.
     void drag(int button, int fromX, int fromY, int toX, int toY) const;
     /// Presses the key for a picture, and reads it; the file is the folder's `number`-th.
@@ -94,6 +96,9 @@ class DrivenWindow {
     /// Waits until the program has taken all events, has shown the frames that they call for, and sleeps with
     /// nothing left to do, on a machine however busy; or has ended.
     void settle() const;
+    /// Waits until the program has taken all events and has shown the frames that they call for; it may be at
+    /// work on a picture that gets better.
+    void awaitFrames() const;
     /// Waits until `condition` holds; false if it does not.
     bool waitUntil(const std::function<bool()>& condition) const;
 
