@@ -7,10 +7,13 @@
 #include "base/check.h"
 #include "base/interrupt.h"
 #include "gl/calls.h"
+#include "lab/timing_limit.h"
 #include "scene/import.h"
 
 namespace quincunx {
 namespace {
+
+int timingLimits = 0;
 
 /// Of the targets that a frame shares among its resources; what other frames left is not its own.
 std::size_t targetBytesOf(const graph::FrameGraph& graph) {
@@ -27,6 +30,14 @@ std::size_t targetBytesOf(const graph::FrameGraph& graph) {
 }
 
 }  // namespace
+
+TimingLimit::TimingLimit() {
+    ++timingLimits;
+}
+
+TimingLimit::~TimingLimit() {
+    --timingLimits;
+}
 
 Studio::~Studio() {
     if (context_)
@@ -89,10 +100,11 @@ Image Studio::resource(Lab& lab, const Frame& frame, std::string_view name) {
 Studio::Timing Studio::time(Lab& lab, const Frame& frame, int repeats, int warmUps) {
     QX_CHECK_GE(repeats, 1);
     context();
-    for (int i = 0; i < warmUps; ++i)
+    const bool once = timingLimits > 0;
+    for (int i = 0; i < warmUps && !once; ++i)
         draw(lab, frame);
     std::vector<double> seconds;
-    for (int i = 0; i < repeats; ++i) {
+    for (int i = 0; i < (once ? 1 : repeats); ++i) {
         throwIfInterrupted();
         seconds.push_back(gl::secondsOf([&] { draw(lab, frame); }));
     }

@@ -224,6 +224,7 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
     std::vector<std::string> drawn;
     for (const auto& [name, count] : lab.counters())
         drawn.push_back(fmt::format("{} {}", count, name));
+    const std::string what = drawn.empty() ? "" : fmt::format("{} at ", fmt::join(drawn, ", "));
     const std::string_view backend = gl::backendName(studio.context().backend());
     if (draw.json)
         print(dump({{"lab", entry.folder()},
@@ -236,9 +237,9 @@ void run(Lab& lab, const LabEntry& entry, RunOptions options) {
                     {"counters", lab.counters()},
                     {"knobs", toJson(state.knobs)}}));
     else
-        print(fmt::format("{}: {} at {}x{}, {:.2f} ms a frame\non {}: {}\n{}\n", entry.folder(),
-                          fmt::join(drawn, ", "), state.frame.width, state.frame.height, frameSeconds * 1e3,
-                          backend, state.renderer, file.string()));
+        print(fmt::format("{}: {}{}x{}, {:.2f} ms a frame\non {}: {}\n{}\n", entry.folder(), what,
+                          state.frame.width, state.frame.height, frameSeconds * 1e3, backend, state.renderer,
+                          file.string()));
 }
 
 ExitStatus ask(std::span<const LabEntry> labs, int number, const DrawOptions& options) {

@@ -41,6 +41,8 @@ constexpr Seconds comparisonDelay{0.25};
 /// References are made of pictures whose sides are this many times smaller.
 constexpr int comparisonReduction = 4;
 constexpr int comparisonSideAtLeast = 64;
+/// A lab that has a reference may have none for every view, knob or model.
+constexpr const char* noReferenceText = "no reference for what is shown";
 /// After an event the panel needs more than one frame to come to rest.
 constexpr int framesAfterEvent = 3;
 /// A resting picture is drawn a few times more for the median of its time.
@@ -575,7 +577,7 @@ class LabWindow {
             frame.live = false;
             Lab::ReferenceJob job = lab_.reference(frame);
             if (!job) {
-                errorText_ = state_.model.empty() ? "no reference" : "no reference for imported models";
+                errorText_ = lab_.referenceName().empty() ? "no reference" : noReferenceText;
                 map_.reset();
                 return;
             }
@@ -626,7 +628,7 @@ class LabWindow {
         for (const auto& [name, count] : shown_->counters)
             text.facts.emplace_back(name, grouped(count));
         text.facts.emplace_back("error", errorText_);
-        if (!lab_.referenceName().empty())
+        if (!lab_.referenceName().empty() && errorText_ != noReferenceText)
             text.facts.emplace_back("against", lab_.referenceName());
         text.facts.emplace_back("renderer", state_.renderer);
         text.camera =

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "base/check.h"
 #include "math/projection.h"
@@ -17,6 +20,8 @@ namespace {
 constexpr int pictureUnit = 1;
 constexpr int totalUnit = 2;
 constexpr int carryUnit = 3;
+constexpr std::array<GLuint, 4> pictureUnits = {pictureUnit, 8, 9, 10};
+constexpr GLuint beforeUnit = 11;
 constexpr double greatestEntry = 0x1p100;
 
 GLenum formatOf(const Accumulator::Params& params) {
@@ -39,6 +44,17 @@ glm::dvec2 slopeOf(glm::dvec2 lensPoint, double focusDistance) {
         return x == 0 ? 0.0 : std::clamp(x / focusDistance, -greatestEntry, greatestEntry);
     };
     return {slope(lensPoint.x), slope(lensPoint.y)};
+}
+
+const gl::ProgramFiles& addProgram() {
+    static const gl::ProgramFiles files = [] {
+        gl::ProgramFiles made = fullscreenProgram("accumulate_add");
+        made.samplers = {{"before", beforeUnit}};
+        for (std::size_t i = 0; i < pictureUnits.size(); ++i)
+            made.samplers.push_back({fmt::format("picture{}", i), static_cast<GLint>(pictureUnits[i])});
+        return made;
+    }();
+    return files;
 }
 
 void drawOnTop(graph::PassContext& context) {
@@ -167,88 +183,119 @@ void Accumulator::restart(const Params& params, std::uint64_t rebuilds) {
                              formatOf(params) == formatOf(params_) && params.summation == params_.summation &&
                              params.passes == params_.passes && params.blockPasses == params_.blockPasses;
     if (!sameBuffers) {
-        pass_.reset();
-        sum_.reset();
+        pictures_ = {};
+        sums_ = {};
         totals_ = {};
+        depth_ = {};
     }
     params_ = params;
     rebuilds_ = rebuilds;
     added_ = 0;
+    waiting_ = 0;
     inBlock_ = 0;
     folds_ = 0;
+    current_ = 0;
 }
 
 Accumulator::Target Accumulator::makeTarget(const char* name, GLenum format, std::size_t colors,
-                                            bool depth) const {
+                                            const gl::Texture2D* depth) const {
     Target target;
     std::vector<const gl::Texture2D*> attached;
     for (std::size_t i = 0; i < colors; ++i)
         target.colors.emplace_back(name, format, params_.width, params_.height);
     for (const gl::Texture2D& color : target.colors)
         attached.push_back(&color);
-    if (depth)
-        target.depth = gl::Texture2D(name, GL_DEPTH_COMPONENT32F, params_.width, params_.height);
-    target.framebuffer = gl::Framebuffer(name, attached, depth ? &target.depth : nullptr);
+    target.framebuffer = gl::Framebuffer(name, attached, depth);
     return target;
 }
 
 std::size_t Accumulator::bytes() const {
     const std::size_t texels =
         static_cast<std::size_t>(params_.width) * static_cast<std::size_t>(params_.height);
-    std::size_t bytes = 0;
-    for (const std::optional<Target>* target : {&pass_, &sum_, &totals_[0], &totals_[1]})
-        if (*target)
-            bytes += texels * ((*target)->colors.size() * bytesPerTexelOf(formatOf(params_)) +
-                               ((*target)->depth ? 4 : 0));
-    return bytes;
+    std::size_t bytesPerTexel = depth_ ? 4 : 0;
+    const auto add = [&](const auto& targets) {
+        for (const std::optional<Target>& target : targets)
+            bytesPerTexel += target ? target->colors.size() * bytesPerTexelOf(formatOf(params_)) : 0;
+    };
+    add(pictures_);
+    add(sums_);
+    add(totals_);
+    return texels * bytesPerTexel;
+}
+
+bool Accumulator::blends() const {
+    return formatOf(params_) != GL_RGBA32F || params_.summation == Summation::runningMean;
+}
+
+std::size_t Accumulator::atATime() const {
+    if (blends())
+        return 1;
+    return params_.summation == Summation::compensated ? std::min(mostAtATime, params_.blockPasses)
+                                                       : mostAtATime;
 }
 
 void Accumulator::add(graph::PassContext& context, const Draw& prepare, const Draw& draw) {
     QX_CHECK_LT(added_, params_.passes);
-    const GLenum format = formatOf(params_);
-    if (!pass_)
-        pass_ = makeTarget("accumulated pass", format, 1, true);
+    if (!depth_)
+        depth_ = gl::Texture2D("accumulated pass", GL_DEPTH_COMPONENT32F, params_.width, params_.height);
+    std::optional<Target>& picture = pictures_[waiting_];
+    if (!picture)
+        picture = makeTarget("accumulated pass", formatOf(params_), 1, &depth_);
     if (prepare)
         prepare(context);
-    pass_->framebuffer.bind();
+    picture->framebuffer.bind();
     draw(context);
-    if (params_.summation == Summation::compensated && params_.blockPasses == 1 && params_.passes > 1) {
-        foldBlock(context, pass_->colors[0]);
-        ++added_;
-        return;
-    }
-    if (!sum_)
-        sum_ = makeTarget("accumulation", format, 1, false);
-    sum_->framebuffer.bind();
-    addToSum(context);
     ++added_;
-    ++inBlock_;
-    // What fits into one block needs no total.
-    if (params_.summation == Summation::compensated && params_.passes > params_.blockPasses &&
-        inBlock_ == params_.blockPasses) {
-        foldBlock(context, sum_->colors[0]);
-        inBlock_ = 0;
-    }
+    ++waiting_;
+    const bool endsBlock =
+        params_.summation == Summation::compensated && inBlock_ + waiting_ == params_.blockPasses;
+    if (endsBlock || waiting_ == atATime())
+        settle(context);
 }
 
-void Accumulator::addToSum(graph::PassContext& context) {
-    const bool first = params_.summation == Summation::compensated ? inBlock_ == 0 : added_ == 0;
-    const gl::Program& program = context.programs().get(fullscreenProgram("accumulate_add"));
+void Accumulator::settle(graph::PassContext& context) {
+    if (waiting_ == 0)
+        return;
+    const std::size_t pictures = std::exchange(waiting_, 0);
+    const bool compensated = params_.summation == Summation::compensated;
+    if (compensated && params_.blockPasses == 1 && params_.passes > 1)
+        return foldBlock(context, pictures_[0]->colors[0]);
+    const bool first = inBlock_ == 0;
+    const std::size_t last = current_;
+    if (!blends() && !first)
+        current_ = 1 - current_;
+    std::optional<Target>& sum = sums_[current_];
+    if (!sum)
+        sum = makeTarget("accumulation", formatOf(params_), 1);
+    sum->framebuffer.bind();
+    const gl::Program& program = context.programs().get(addProgram());
     program.use();
-    program.set("picture", pictureUnit);
+    program.set("count", static_cast<int>(pictures));
+    program.set("hasBefore", blends() || first ? 0 : 1);
     program.set("weight",
                 params_.summation == Summation::weighted ? 1.0f / static_cast<float>(params_.passes) : 1.0f);
-    pass_->colors[0].bind(pictureUnit);
-    if (first)
-        return context.drawFullscreen();
-    if (params_.summation == Summation::runningMean) {
-        const float share = 1.0f / static_cast<float>(added_ + 1);
-        glBlendColor(share, share, share, share);
-        glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
+    for (std::size_t i = 0; i < pictures; ++i)
+        pictures_[i]->colors[0].bind(pictureUnits[i]);
+    if (!blends() && !first)
+        sums_[last]->colors[0].bind(beforeUnit);
+    if (first || !blends()) {
+        context.drawFullscreen();
     } else {
-        glBlendFunc(GL_ONE, GL_ONE);
+        if (params_.summation == Summation::runningMean) {
+            const float share = 1.0f / static_cast<float>(inBlock_ + 1);
+            glBlendColor(share, share, share, share);
+            glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
+        } else {
+            glBlendFunc(GL_ONE, GL_ONE);
+        }
+        drawOnTop(context);
     }
-    drawOnTop(context);
+    inBlock_ += pictures;
+    // What fits into one block needs no total.
+    if (compensated && params_.passes > params_.blockPasses && inBlock_ == params_.blockPasses) {
+        foldBlock(context, sums_[current_]->colors[0]);
+        inBlock_ = 0;
+    }
 }
 
 void Accumulator::foldBlock(graph::PassContext& context, const gl::Texture2D& block) {
@@ -256,7 +303,7 @@ void Accumulator::foldBlock(graph::PassContext& context, const gl::Texture2D& bl
     std::optional<Target>& last = totals_[folds_ % 2];
     for (std::optional<Target>* total : {&last, &next})
         if (!*total)
-            *total = makeTarget("accumulated total", GL_RGBA32F, 2, false);
+            *total = makeTarget("accumulated total", GL_RGBA32F, 2);
     if (folds_ == 0) {
         last->framebuffer.bind();
         const std::array<GLfloat, 4> nothing{};
@@ -279,6 +326,7 @@ void Accumulator::foldBlock(graph::PassContext& context, const gl::Texture2D& bl
 
 void Accumulator::show(graph::PassContext& context) const {
     QX_CHECK_GT(added_, 0u);
+    QX_CHECK_EQ(waiting_, 0u);
     const bool compensated = params_.summation == Summation::compensated;
     const bool hasBlock = !compensated || inBlock_ > 0;
     const float divisor = compensated ? static_cast<float>(added_)
@@ -294,7 +342,7 @@ void Accumulator::show(graph::PassContext& context) const {
     program.set("hasTotal", folds_ > 0 ? 1 : 0);
     program.set("divisor", divisor);
     if (hasBlock)
-        sum_->colors[0].bind(pictureUnit);
+        sums_[current_]->colors[0].bind(pictureUnit);
     if (folds_ > 0) {
         totals_[folds_ % 2]->colors[0].bind(totalUnit);
         totals_[folds_ % 2]->colors[1].bind(carryUnit);
@@ -354,6 +402,7 @@ graph::Resource addAccumulationPasses(graph::FrameGraph& graph, Accumulator& acc
                      },
                      [&](graph::PassContext& pass) { params.draw(pass, sample); });
              }
+             accumulator.settle(context);
          }});
     graph.addPass({.name = "show the mean",
                    .reads = {done},

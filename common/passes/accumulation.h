@@ -93,10 +93,10 @@ enum class Summation {
 enum class AccumulationBuffer { rgba8, rgba16f, rgba32f };
 
 /// Adds up pictures, over as many frames as wanted. Nothing is allocated before the first pass, and only what
-/// the summation needs.
+/// the summation needs. Sums in 32-bit float take up to four pictures at a time, in their order, since what a
+/// sum costs is its memory's traffic; the others blend each as it comes, as what they are kept in rounds it.
 ///
-/// `compensated` adds blocks of `blockPasses` pictures by blending, and each block to the total by Kahan's
-/// sum
+/// `compensated` adds up blocks of `blockPasses` pictures, and adds each block to the total by Kahan's sum
 /// ("Pracniques: further remarks on reducing truncation errors", CACM 8(1), 1965) with Knuth's exact TwoSum:
 /// of light that is nowhere negative, the mean is within (blockPasses + 3) · 2^-24 of itself after any number
 /// of passes up to 2^20 (with a division good to 1 ulp). The other two drift in 32 bits, and stand still in
@@ -120,6 +120,8 @@ class Accumulator {
     /// Calls `prepare`, if any, then `draw`, which finds a target bound whose colour and depth are undefined.
     /// Both leave blending off.
     void add(graph::PassContext& context, const Draw& prepare, const Draw& draw);
+    /// Adds up the pictures that still wait for others: after the last `add`, before `show`.
+    void settle(graph::PassContext& context);
     /// Writes the mean of what was added into the bound target.
     void show(graph::PassContext& context) const;
     std::size_t added() const { return added_; }
@@ -130,23 +132,30 @@ class Accumulator {
     std::size_t bytes() const;
 
   private:
+    static constexpr std::size_t mostAtATime = 4;
     struct Target {
         std::vector<gl::Texture2D> colors;
-        gl::Texture2D depth;
         gl::Framebuffer framebuffer;
     };
-    Target makeTarget(const char* name, GLenum format, std::size_t colors, bool depth) const;
-    void addToSum(graph::PassContext& context);
+    Target makeTarget(const char* name, GLenum format, std::size_t colors,
+                      const gl::Texture2D* depth = nullptr) const;
+    /// Pictures that wait until they are added.
+    std::size_t atATime() const;
+    bool blends() const;
     void foldBlock(graph::PassContext& context, const gl::Texture2D& block);
 
     Params params_;
-    std::size_t added_ = 0;
+    std::size_t added_ = 0;    ///< drawn, those that wait included
+    std::size_t waiting_ = 0;  ///< pictures that the sum does not have yet
     std::uint64_t rebuilds_ = 0;
-    std::size_t inBlock_ = 0;
+    std::size_t inBlock_ = 0;  ///< pictures that the sum has
     std::size_t folds_ = 0;
-    std::optional<Target> pass_;
-    std::optional<Target> sum_;                    ///< weighted, runningMean: the sum; compensated: the block
-    std::array<std::optional<Target>, 2> totals_;  ///< compensated: total and carry, one read, one written
+    std::size_t current_ = 0;  ///< of sums_
+    gl::Texture2D depth_;      ///< of all pictures
+    std::array<std::optional<Target>, mostAtATime> pictures_;
+    /// weighted, runningMean: the sum; compensated: the block. Where nothing blends one is read, one written.
+    std::array<std::optional<Target>, 2> sums_;
+    std::array<std::optional<Target>, 2> totals_;  ///< compensated: total and carry, the same
 };
 
 struct AccumulationParams {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include "base/random.h"
 
@@ -100,24 +102,36 @@ Image floorReference(const MipTexture& texture, TextureWrap wrap, const FloorVie
 }
 
 FloorCounts countFloor(const MipTexture& texture, const SamplerSettings& settings, const FloorView& view) {
-    FloorCounts counts;
-    for (int y = 0; y < view.height(); ++y)
+    // Probes of a pixel share their level, and so read as many texels as the first of them.
+    const bool probes = settings.minification == Minification::anisotropic;
+    SamplerSettings unbiased = settings;
+    unbiased.lodBias = 0;
+    const auto countRow = [&](int y) {
+        FloorCounts counts;
         for (int x = 0; x < view.width(); ++x) {
             const FloorView::Place place = view.at({x + 0.5, y + 0.5});
             if (!place.floor)
                 continue;
-            const int texels = sampleTexture(texture, settings, place.point()).texels;
+            const TexturePoint point = place.point();
+            const Footprint footprint = footprintOf(point, texture.width(), texture.height(),
+                                                    probes ? settings.maxAnisotropy : 1, settings.lodBias);
+            const int texels =
+                footprint.probes * sampleTextureLod(texture, unbiased, point.st, footprint.lambda).texels;
             ++counts.samples;
             counts.texels += static_cast<std::uint64_t>(texels);
+            counts.probes += static_cast<std::uint64_t>(footprint.probes);
             counts.mostTexels = std::max(counts.mostTexels, texels);
-            counts.probes +=
-                settings.minification == Minification::anisotropic
-                    ? static_cast<std::uint64_t>(footprintOf(place.point(), texture.width(), texture.height(),
-                                                             settings.maxAnisotropy)
-                                                     .probes)
-                    : 1;
         }
-    return counts;
+        return counts;
+    };
+    return tbb::parallel_reduce(
+        tbb::blocked_range<int>(0, view.height()), FloorCounts{},
+        [&](const tbb::blocked_range<int>& rows, FloorCounts sum) {
+            for (int y = rows.begin(); y < rows.end(); ++y)
+                sum += countRow(y);
+            return sum;
+        },
+        [](FloorCounts a, const FloorCounts& b) { return a += b; });
 }
 
 }  // namespace quincunx

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 
 #include <glm/glm.hpp>
@@ -63,6 +64,14 @@ struct FloorCounts {
     std::uint64_t probes = 0;
     std::uint64_t samples = 0;  ///< pixels that show floor
     int mostTexels = 0;         ///< for one pixel
+
+    FloorCounts& operator+=(const FloorCounts& other) {
+        texels += other.texels;
+        probes += other.probes;
+        samples += other.samples;
+        mostTexels = std::max(mostTexels, other.mostTexels);
+        return *this;
+    }
 };
 FloorCounts countFloor(const MipTexture& texture, const SamplerSettings& settings, const FloorView& view);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -28,6 +29,9 @@ constexpr GLuint imageUnit = 1;
 constexpr GLuint drawnUnit = 2;
 constexpr int mostTexels = 4096;  // a side, of pictures from files: a level of floats is then 268 MB
 constexpr float differenceShown = 1.0f / 64;  // as the brightest colour
+/// Near the horizon a pixel covers thousands of repeats, and llvmpipe's anisotropic filter visits each texel
+/// of the box around its footprint: seconds a frame.
+constexpr float mostDriverRepeats = 8;
 constexpr int waveSeed = 12;
 constexpr double waveShare = 0.8;  // of the highest frequency
 constexpr int waveSide = 64;
@@ -421,8 +425,46 @@ float TextureFilteringLab::textSize(const Frame& frame) const {
     return std::clamp(static_cast<float>(frame.height) / 26, 8.0f, 28.0f);
 }
 
+std::uint64_t TextureFilteringLab::countTexels(const Frame& frame) const {
+    std::uint64_t texels = 0;
+    for (const Panel& panel : panels(frame)) {
+        if (!usesPhoto()) {
+            texels += countFloor(texture(), settingsOf(panel.filter),
+                                 floorView(frame.camera, panel.width, frame.height))
+                          .texels;
+            continue;
+        }
+        // Wide filters run along all rows first, then along the columns of the picture.
+        const auto pixels =
+            static_cast<std::uint64_t>(panel.width) * static_cast<std::uint64_t>(frame.height);
+        const auto rows =
+            static_cast<std::uint64_t>(panel.width) * static_cast<std::uint64_t>(texture().height());
+        const auto tapsOf = [&](int side) {
+            std::vector<LineTap> taps;
+            lineTaps(panel.kernel, lobes, 0.5 * side, side, wrap.as<TextureWrap>(), taps);
+            return static_cast<std::uint64_t>(taps.size());
+        };
+        texels += isWide(panel.kernel)
+                      ? rows * tapsOf(texture().width()) + pixels * tapsOf(texture().height())
+                      : pixels * (panel.kernel == Magnification::nearest ? 1 : 4);
+    }
+    return texels;
+}
+
+std::map<std::string, std::uint64_t> TextureFilteringLab::counters() const {
+    const View shown = view.as<View>();
+    const bool filters = shown == View::floor || shown == View::photo;
+    const bool drivers = shown == View::floor && !compare && minification.as<Filter>() == Filter::driver;
+    if (!drawn_ || !filters || drivers || unit.as<Unit>() == Unit::cpu)
+        return {};
+    if (!texels_)
+        texels_ = countTexels(*drawn_);
+    return {{"texels read", *texels_}};
+}
+
 graph::Resource TextureFilteringLab::build(graph::FrameGraph& graph, const Frame& frame) {
-    counters_.clear();
+    drawn_ = frame;
+    texels_.reset();
     prepareTexture();
     switch (view.as<View>()) {
         case View::floor:
@@ -510,6 +552,8 @@ void TextureFilteringLab::drawFloorPanel(graph::PassContext& context, const Fram
     program.set("horizonColor", glm::vec3(horizonColor));
     program.set("zenithColor", glm::vec3(zenithColor));
     program.set("lodScale", std::exp2(static_cast<float>(lodBias)));
+    program.set("mostRepeats",
+                filter == Filter::driver ? mostDriverRepeats : std::numeric_limits<float>::max());
     program.set("maxProbes", filter == Filter::anisotropic ? static_cast<int>(maxAnisotropy) : 0);
     device_->bind(imageUnit);
     const gl::Sampler::Use use(context.sampler(samplerParams(filter)), imageUnit);

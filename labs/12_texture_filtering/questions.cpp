@@ -31,10 +31,14 @@ void showFloor(Lab12& lab) {
     lab.textureSize.set(256);
 }
 
-Image floorTruth(const Lab12& lab, const Frame& frame) {
-    return floorReference(lab.texture(), TextureWrap::repeat,
-                          lab.floorView(frame.camera, frame.width, frame.height), referenceSide,
-                          interruptFlag());
+/// The same for all questions: made by the first that asks.
+const Image& floorTruth(const Lab12& lab, const Frame& frame, Image& truth) {
+    if (truth.data.empty())
+        truth = floorReference(lab.texture(), TextureWrap::repeat,
+                               lab.floorView(frame.camera, frame.width, frame.height), referenceSide,
+                               interruptFlag());
+    throwIfInterrupted();
+    return truth;
 }
 
 double minificationError(Lab12& lab, Studio& studio, const Frame& frame, Lab12::Filter filter,
@@ -43,11 +47,11 @@ double minificationError(Lab12& lab, Studio& studio, const Frame& frame, Lab12::
     return rmse(truth, studio.linearPicture(lab, frame));
 }
 
-std::vector<Measurement> measureAnisotropy(Studio& studio) {
+std::vector<Measurement> measureAnisotropy(Studio& studio, Image& made) {
     Lab12 lab;
     showFloor(lab);
     const Frame frame = studio.frame(lab, width, height);
-    const Image truth = floorTruth(lab, frame);
+    const Image& truth = floorTruth(lab, frame, made);
     std::vector<Measurement> figures;
     const double trilinear = minificationError(lab, studio, frame, Lab12::Filter::trilinear, truth);
     const double trilinearSeconds = studio.time(lab, frame, 5, 1).medianSeconds;
@@ -235,11 +239,11 @@ std::vector<Measurement> measureSincCost() {
     return figures;
 }
 
-std::vector<Measurement> measureMinification(Studio& studio) {
+std::vector<Measurement> measureMinification(Studio& studio, Image& made) {
     Lab12 lab;
     showFloor(lab);
     const Frame frame = studio.frame(lab, width, height);
-    const Image truth = floorTruth(lab, frame);
+    const Image& truth = floorTruth(lab, frame, made);
     std::array<double, 5> errors{};
     std::vector<Measurement> figures;
     for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -418,6 +422,7 @@ std::vector<Measurement> measureTrilinear(Studio& studio) {
 }  // namespace
 
 std::vector<Question> TextureFilteringLab::questions() {
+    const auto truth = std::make_shared<Image>();
     return {
         {9, "How does anisotropic filtering work, and what is it needed for?",
          "A pixel of a slanted surface covers a long narrow piece of the texture. A mipmap level has one "
@@ -426,7 +431,7 @@ std::vector<Question> TextureFilteringLab::questions() {
          "in a row along the long side, as many as the piece is longer than wide, up to a limit (often 16).",
          "the row is of up to 16 probes, each a trilinear sample of up to 8 texels; the level is that of the "
          "short side",
-         [](Studio& studio) { return measureAnisotropy(studio); }},
+         [truth](Studio& studio) { return measureAnisotropy(studio, *truth); }},
         {11,
          "A quad of 8 × 16 is to show a chessboard texture of 4 × 4 squares, repeated so that its squares "
          "are "
@@ -450,7 +455,7 @@ std::vector<Question> TextureFilteringLab::questions() {
          "Nearest texel; bilinear, without or with mipmaps; trilinear, between two levels; anisotropic. Each "
          "comes nearer to the mean over the pixel's area. Without mipmaps a pixel still reads four texels at "
          "most, however many it covers.",
-         "", [](Studio& studio) { return measureMinification(studio); }},
+         "", [truth](Studio& studio) { return measureMinification(studio, *truth); }},
         {63, "What is a mipmap hierarchy?",
          "The texture at ever halved sides, down to one texel, each texel the mean of the 2 × 2 texels that "
          "it stands for in the level above. An odd side halves to the whole number below, and its texels "

@@ -28,7 +28,7 @@ void measureEdges(AccumulationLab& lab, Studio& studio, std::vector<Measurement>
     lab.subject.set(static_cast<int>(Subject::movingEdge));
     const std::vector<int> passes = {4, 16, 64};
     const double random = convergenceOf(lab, studio, SamplePattern::random, passes, 8).slope;
-    const double sobol = convergenceOf(lab, studio, SamplePattern::sobol, passes, 8).slope;
+    const double sobol = convergenceOf(lab, studio, SamplePattern::sobol, passes, 4).slope;
     // One half and one; over a few seeds slopes scatter by 0.1.
     figures.push_back({"slope of the error over passes, random moments", random, "", equals(-0.5, 0.15)});
     figures.push_back({"slope of the error over passes, Sobol' moments", sobol, "", equals(-1, 0.15)});

@@ -7,6 +7,7 @@
 #include "gl/calls.h"
 #include "image/compare.h"
 #include "lab/studio.h"
+#include "lab/timing_limit.h"
 #include "labs/21_accumulation/lab.h"
 #include "labs/21_accumulation/measure.h"
 #include "labs/21_accumulation/toy_table.h"
@@ -39,8 +40,8 @@ class Accumulation21 : public testing::TestWithParam<gl::Backend> {
 
     Studio studio_;
 };
-INSTANTIATE_TEST_SUITE_P(On, Accumulation21, testing::Values(gl::Backend::osmesa, gl::Backend::egl),
-                         test::nameOfBackend);
+// The other back end draws the same bits: Accumulation21Backends.
+INSTANTIATE_TEST_SUITE_P(On, Accumulation21, testing::Values(gl::Backend::egl), test::nameOfBackend);
 
 struct EdgeLimit {
     Subject subject;
@@ -177,11 +178,10 @@ TEST(Accumulation21Convergence, RandomHalvesByFourAndEvenSamplesByTwo) {
     Studio studio(gl::Backend::egl);
     const std::vector<int> passes = {4, 16, 64};
     lab.subject.parse("moving-edge");
-    // Measured -0.50, -1.0, -1.0 and -1.0; eight seeds scatter by 0.1.
-    EXPECT_NEAR(convergenceOf(lab, studio, SamplePattern::random, passes, 8).slope, -0.5, 0.15);
-    for (const SamplePattern even :
-         {SamplePattern::regular, SamplePattern::jittered, SamplePattern::halton, SamplePattern::sobol})
-        EXPECT_NEAR(convergenceOf(lab, studio, even, passes, 4).slope, -1, 0.2) << static_cast<int>(even);
+    // Measured -1.0; random and Sobol' moments are figures of the lab's answer, held by
+    // Accumulation21Answers.
+    for (const SamplePattern even : {SamplePattern::regular, SamplePattern::jittered, SamplePattern::halton})
+        EXPECT_NEAR(convergenceOf(lab, studio, even, passes, 2).slope, -1, 0.2) << static_cast<int>(even);
     // An edge in two dimensions, lens or lamp: -3/4 in theory for jittered samples, steeper for Sobol' ones.
     lab.subject.parse("defocused-edge");
     EXPECT_NEAR(convergenceOf(lab, studio, SamplePattern::random, passes, 24).slope, -0.5, 0.15);
@@ -193,15 +193,15 @@ TEST(Accumulation21Convergence, AllFourEffectsTogetherConvergeOnOneSetOfPasses) 
     const auto lab = coarseToys();
     Studio studio(gl::Backend::egl);
     const Frame frame = studio.frame(*lab, 40, 30);
-    const Image converged = convergedPicture(*lab, studio, frame, 256);
+    const Image converged = convergedPicture(*lab, studio, frame, 128);
     double last = 1;
-    for (const int passes : {1, 8, 64}) {
+    for (const int passes : {1, 6, 32}) {
         lab->passes.set(passes);
         const double error = rmse(converged, studio.linearPicture(*lab, frame));
         EXPECT_LT(error, 0.6 * last) << passes;
         last = error;
     }
-    EXPECT_LE(last, 0.008);  // measured 0.004
+    EXPECT_LE(last, 0.012);  // measured 0.007
 }
 
 std::uint64_t callsOf(Studio& studio, AccumulationLab& lab, const Frame& frame) {
@@ -337,7 +337,7 @@ TEST(Accumulation21Live, FramesGoOnUntilTheWholePictureIsThereAndStartAnewByAKno
 
 TEST(Accumulation21Methods, OnePictureAndItsDepthsComeNearManyPictures) {
     Studio studio(gl::Backend::egl);
-    const auto lab = coarseToys(64);
+    const auto lab = coarseToys(32);
     lab->antialias.set(false);
     lab->lightSize.set(0);
     const Frame frame = studio.frame(*lab, 96, 72);
@@ -362,14 +362,24 @@ TEST(Accumulation21Methods, OnePictureAndItsDepthsComeNearManyPictures) {
 }
 
 TEST(Accumulation21Backends, OsmesaAndEglGiveTheSameBits) {
-    for (const char* sum : {"compensated", "weighted"})
-        test::expectSameBitsOnBothBackends(
-            [sum] {
-                auto lab = coarseToys(18);
-                lab->summation.parse(sum);
-                return lab;
-            },
-            {small, {64, 24}});
+    const auto toys = [](const char* sum, int passes) {
+        return [sum, passes] {
+            auto lab = coarseToys(passes);
+            lab->summation.parse(sum);
+            return lab;
+        };
+    };
+    test::expectSameBitsOnBothBackends(toys("compensated", 18), {small, {64, 24}});
+    std::vector<test::MakeLab> makers = {toys("weighted", 6), toys("running-mean", 6)};
+    for (const EdgeLimit& edge : edgeLimits)
+        makers.emplace_back([edge] {
+            auto lab = std::make_unique<AccumulationLab>();
+            lab->subject.set(static_cast<int>(edge.subject));
+            lab->shadowResolution.set(128);
+            lab->passes.set(6);
+            return lab;
+        });
+    test::expectSameBitsOnBothBackends(makers, {small});
 }
 
 struct Mutation {
@@ -380,25 +390,27 @@ struct Mutation {
 };
 
 /// RMSE of 64 passes of the moving edge over its limit; more than 1 is a failure.
-double verdict(const Mutation& mutation) {
+double verdict(const char* sum) {
     AccumulationLab lab;
     lab.subject.parse("moving-edge");
-    lab.summation.parse(mutation.sum);
+    lab.summation.parse(sum);
     Studio studio(gl::Backend::egl);
     return edgeError(lab, studio, 96, 24) / 0.008;
 }
 
 TEST(Accumulation21Mutations, EveryBrokenShaderIsNoticed) {
+    for (const char* sum : {"weighted", "compensated"})
+        EXPECT_LE(verdict(sum), 1) << sum << ": the shaders as they are miss the limit";
     for (const Mutation& mutation :
          {Mutation{"passes/accumulate_add.frag", "* weight", "", "weighted"},
           Mutation{"passes/accumulate_fold.frag", "texelFetch(block, pixel, 0) + ", "", "compensated"},
           Mutation{"passes/accumulate_show.frag", "sum / divisor", "sum", "compensated"},
           Mutation{"passes/accumulate_show.frag", "hasTotal != 0", "hasTotal == 0", "compensated"},
           Mutation{"passes/phong.vert", "clipFromWorld * position", "position", "compensated"}}) {
-        EXPECT_LE(verdict(mutation), 1) << mutation.file << ": the shader as it is misses the limit";
         const test::BrokenShaders broken(mutation.file, mutation.from, mutation.to);
         ASSERT_TRUE(broken.found()) << mutation.file << " no longer holds: " << mutation.from;
-        EXPECT_GT(verdict(mutation), 1) << mutation.file << ": " << mutation.from << " -> " << mutation.to;
+        EXPECT_GT(verdict(mutation.sum), 1)
+            << mutation.file << ": " << mutation.from << " -> " << mutation.to;
     }
 }
 
@@ -445,6 +457,7 @@ TEST(Accumulation21Stress, StableFormsKeepTheirBoundsWhereNaiveOnesDoNot) {
 TEST(Accumulation21Sweeps, ErrorsFallWithThePassesAndEightBitsDoNot) {
     AccumulationLab lab;
     Studio studio(gl::Backend::egl);
+    const TimingLimit once;
     for (Sweep& sweep : lab.sweeps()) {
         EXPECT_GE(sweep.points.size(), 5u) << sweep.name;
         for (const KnobValues& point : sweep.points) {
@@ -461,8 +474,8 @@ TEST(Accumulation21Sweeps, ErrorsFallWithThePassesAndEightBitsDoNot) {
             return sweep.measure(studio, frame).error;
         };
         EXPECT_LT(errorOf("rgba32f", "compensated", "256"), 0.25 * errorOf("rgba32f", "compensated", "16"));
-        // A share of 1/1024 is less than half a step of 8 bits: black.
-        EXPECT_GT(errorOf("rgba8", "weighted", "1024"), 0.5);
+        // A share of 1/512 is less than half a step of 8 bits: black.
+        EXPECT_GT(errorOf("rgba8", "weighted", "512"), 0.5);
     }
 }
 

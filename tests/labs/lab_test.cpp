@@ -7,6 +7,7 @@
 
 #include "image/compare.h"
 #include "image/io.h"
+#include "lab/timing_limit.h"
 
 namespace quincunx::test {
 
@@ -30,6 +31,7 @@ std::string nameOfBackend(const testing::TestParamInfo<gl::Backend>& info) {
 }
 
 void expectAnswersHold(Lab& lab, Studio& studio, const std::vector<int>& numbers) {
+    const TimingLimit once;
     std::vector<int> answered;
     for (const Question& question : lab.questions()) {
         answered.push_back(question.number);
@@ -64,6 +66,24 @@ void expectGolden(const Image8& picture, const std::string& labFolder, const std
     if (std::getenv("QUINCUNX_WRITE_GOLDENS") != nullptr)
         writeImage(file, picture);
     EXPECT_LE(compareImages(readImage8(file), picture, Metric::flip).value, limit) << file;
+}
+
+void expectSameBitsOnBothBackends(const std::vector<MakeLab>& makers, const std::vector<Size>& sizes) {
+    const auto drawAll = [&](gl::Backend backend) {
+        Studio studio(backend);
+        std::vector<Image8> pictures;
+        for (const MakeLab& make : makers) {
+            const std::unique_ptr<Lab> lab = make();
+            for (const Size size : sizes)
+                pictures.push_back(studio.picture(*lab, studio.frame(*lab, size.width, size.height)));
+        }
+        return pictures;
+    };
+    const std::vector<Image8> osmesa = drawAll(gl::Backend::osmesa);
+    const std::vector<Image8> egl = drawAll(gl::Backend::egl);
+    for (std::size_t i = 0; i < osmesa.size(); ++i)
+        EXPECT_EQ(osmesa[i], egl[i]) << "lab " << i / sizes.size() << " of the list, " << osmesa[i].width
+                                     << "x" << osmesa[i].height;
 }
 
 }  // namespace quincunx::test

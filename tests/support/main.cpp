@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 
@@ -38,6 +39,8 @@ int main(int argc, char** argv) {
                    stderr);
         return 3;
     }
+    // Tests draw small pictures, several tests at a time: threads of llvmpipe cost them more than they bring.
+    setenv("LP_NUM_THREADS", "0", 0);
     testing::InitGoogleTest(&argc, argv);
     return RUN_ALL_TESTS();
 }

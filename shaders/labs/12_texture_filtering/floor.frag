@@ -14,6 +14,7 @@ uniform vec3 horizonColor;
 uniform vec3 zenithColor;
 uniform float lodScale;      // 2 to the power of the bias
 uniform int maxProbes;       // 0: the sampler's own filter
+uniform float mostRepeats;   // that one footprint may cover
 
 out vec4 color;
 
@@ -52,6 +53,12 @@ void main() {
     float scale = repeats * reach / ray.y;
     vec2 alongX = scale * (rayFromPixel[0].xz * ray.y - ray.xz * rayFromPixel[0].y);
     vec2 alongY = scale * (rayFromPixel[1].xz * ray.y - ray.xz * rayFromPixel[1].y);
+    // Beyond a few repeats the mean stays the same, and a filter that walks over all texels of a footprint ends.
+    float covered = max(length(alongX), length(alongY));
+    if (covered > mostRepeats) {
+        alongX *= mostRepeats / covered;
+        alongY *= mostRepeats / covered;
+    }
     vec4 texel = maxProbes > 0 ? probed(st, alongX, alongY)
                                : textureGrad(image, st, alongX * lodScale, alongY * lodScale);
     color = vec4(mix(horizonColor, texel.rgb, exp(-reach * length(ray) / hazeDistance)), 1.0);
