@@ -55,6 +55,8 @@ ImageKind imageKindOf(const std::filesystem::path& file);
 /// What `writeImage` was given; empty for pictures from elsewhere.
 ImageMetadata readMetadata(const std::filesystem::path& file);
 
+ImageMetadata readMetadataFromMemory(std::span<const std::byte> bytes, const std::string& name);
+
 /// Starts to load OpenImageIO (about a quarter of a second) on a thread of its own, so that a later read or
 /// write does not wait for it. Need not be called; more calls do nothing; a failure is reported by the later
 /// call. The calling thread, when it ends, waits for the loading to end.

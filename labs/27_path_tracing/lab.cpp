@@ -237,6 +237,13 @@ void PathTracingLab::addTerms(const Frame& frame) {
     }
 }
 
+Exercise PathTracingLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the terms of the equation", {{"terms", "off"}}},
+                        {"light that was scattered before", {{"bounces", "1"}}}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::PathTracingLab)

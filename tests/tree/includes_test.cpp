@@ -37,6 +37,8 @@ const std::map<std::string, std::set<std::string>> mayInclude = {
     {"trace", {"base", "math", "geometry", "image", "scene"}},
     {"passes", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace"}},
     {"lab", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace"}},
+    {"grade", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "lab"}},
+    {"cli", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "lab", "grade"}},
     {"labs", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "passes", "lab"}},
 };
 

@@ -50,8 +50,13 @@ void main() {
     vec2 st = repeats * (eye.xz + reach * ray.xz);
     // The quotient rule, for ray.xz / ray.y.
     float scale = repeats * reach / ray.y;
+    // task: How far the place on the texture moves from this pixel to the next along x, and along y: the filter
+    // chooses its level by that.
     vec2 alongX = scale * (rayFromPixel[0].xz * ray.y - ray.xz * rayFromPixel[0].y);
     vec2 alongY = scale * (rayFromPixel[1].xz * ray.y - ray.xz * rayFromPixel[1].y);
+    // instead: vec2 alongX = vec2(0.0);
+    // instead: vec2 alongY = vec2(0.0);
+    // end of task
     vec4 texel = maxProbes > 0 ? probed(st, alongX, alongY)
                                : textureGrad(image, st, alongX * lodScale, alongY * lodScale);
     color = vec4(mix(horizonColor, texel.rgb, exp(-reach * length(ray) / hazeDistance)), 1.0);
