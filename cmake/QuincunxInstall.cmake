@@ -3,7 +3,7 @@
 #   target_link_libraries(mine PRIVATE Quincunx::common)      or one room of it: Quincunx::math
 include(CMakePackageConfigHelpers)
 
-install(DIRECTORY shaders data DESTINATION ${CMAKE_INSTALL_DATADIR}/quincunx)
+install(DIRECTORY shaders data web DESTINATION ${CMAKE_INSTALL_DATADIR}/quincunx)
 
 # Libraries of `folder` and below, which is what those who link to one of them need at link time.
 function(quincunx_libraries_below folder out)

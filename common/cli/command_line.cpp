@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "atlas/atlas.h"
 #include "base/file.h"
 #include "base/interrupt.h"
 #include "grade/verbs.h"
@@ -23,7 +24,8 @@ namespace {
 
 constexpr int interruptedStatus = 130;  // 128 + SIGINT, as shells have it
 
-constexpr std::array verbs = {"list", "run", "ask", "sweep", "plan", "stress", "compare", "deck", "grade", "handout"};
+constexpr std::array verbs = {"list",    "run",  "ask",   "sweep", "plan",   "stress",
+                              "compare", "deck", "atlas", "grade", "handout"};
 
 /// The program calls itself so, for each job of `grade`.
 constexpr std::string_view workerVerb = "grade-worker";
@@ -334,6 +336,23 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
         ->default_str("out/deck");
     deckCommand->add_flag("--json", deckOptions.json, "Machine-readable");
     deckCommand->callback([&] { status = deck(labs, deckOptions); });
+
+    AtlasOptions atlasOptions;
+    CLI::App* atlasCommand =
+        app.add_subcommand("atlas", "Everything that the labs show and measure, as pages to open from disk");
+    if (only == nullptr)
+        atlasCommand->add_option("--labs", atlasOptions.labs, "Only these, with commas between")
+            ->delimiter(',')
+            ->type_name("LAB,…")
+            ->default_str("all");
+    addBackend(*atlasCommand, atlasOptions.backend, false);
+    atlasCommand->add_option("--out", atlasOptions.out, "Folder for the pages")
+        ->type_name("FOLDER")
+        ->default_str("out/atlas");
+    atlasCommand->add_flag("--full", atlasOptions.full,
+                           "More values of each knob, sweeps at full size, more hard inputs");
+    atlasCommand->add_flag("--json", atlasOptions.json, "Machine-readable");
+    atlasCommand->callback([&] { status = makeAtlas(labs, atlasOptions); });
 
     GradeOptions gradeOptions;
     CLI::App* gradeCommand = app.add_subcommand("grade", "Score what a class handed in: tables, report, LMS files");

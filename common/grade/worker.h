@@ -21,6 +21,6 @@ int runWorker(std::span<const LabEntry> labs);
 inline constexpr int diedBySignal = 64;
 
 /// Longest side of pictures in reports, pixels.
-inline constexpr int reportSide = 640;
+inline constexpr int reportSide = 480;
 
 }  // namespace quincunx::grade

@@ -9,6 +9,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "base/check.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/paths.h"
@@ -255,6 +256,21 @@ std::vector<unsigned char> encodedPng(const Image8& image, const std::string& na
     std::vector<unsigned char> bytes;
     std::string error;
     if (!table().encodePng(image, {}, bytes, error))
+        throw InputError(printable(error), name);
+    return bytes;
+}
+
+std::vector<unsigned char> encodedJpeg(const Image8& image, int quality, const std::string& name) {
+    checkWritable(image);
+    QX_CHECK(quality >= 1 && quality <= 100);
+    const int colours = image.channels < 3 ? 1 : 3;
+    Image8 opaque(image.width, image.height, colours, image.encoding);
+    for (std::size_t i = 0; i < image.pixelCount(); ++i)
+        std::copy_n(image.data.begin() + static_cast<std::ptrdiff_t>(i * image.channels), colours,
+                    opaque.data.begin() + static_cast<std::ptrdiff_t>(i * colours));
+    std::vector<unsigned char> bytes;
+    std::string error;
+    if (!table().encodeJpeg(opaque, quality, bytes, error))
         throw InputError(printable(error), name);
     return bytes;
 }

@@ -47,6 +47,10 @@ void writeImage(const std::filesystem::path& file, const Image& image, const Ima
 /// The bytes of a PNG as `writeImage` would write it; `name` stands for the file in errors.
 std::vector<unsigned char> encodedPng(const Image8& image, const std::string& name);
 
+/// The bytes of a JPEG of `quality` 1 … 100; alpha is left out. For pictures to look at: nothing is measured
+/// on them.
+std::vector<unsigned char> encodedJpeg(const Image8& image, int quality, const std::string& name);
+
 /// The kind of picture that a name asks for.
 enum class ImageKind { png, exr };
 /// By the extension, in any case: .png or .exr; nothing else can be written (InputError).

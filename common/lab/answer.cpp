@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "lab/json.h"
 #include "lab/studio.h"
@@ -39,7 +38,7 @@ std::string toText(const Answer& answer) {
     return text;
 }
 
-std::string toJson(const Answer& answer) {
+Json toJson(const Answer& answer) {
     const Question& question = answer.question;
     Json json{{"question", question.number},
               {"lab", answer.lab},
@@ -56,7 +55,7 @@ std::string toJson(const Answer& answer) {
         json["measurements"].push_back(row);
     }
     json["pass"] = answer.pass();
-    return dump(json);
+    return json;
 }
 
 std::string figureText(double value) {

@@ -4,6 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "lab/lab.h"
 
 namespace quincunx {
@@ -24,7 +26,7 @@ Answer answerQuestion(const LabEntry& entry, const Question& question, Studio& s
 
 /// For a terminal: wrapped text and a table of figures.
 std::string toText(const Answer& answer);
-std::string toJson(const Answer& answer);
+nlohmann::ordered_json toJson(const Answer& answer);
 
 /// A measured figure as people read it: six digits, whole numbers whole.
 std::string figureText(double value);

@@ -1,4 +1,4 @@
-// The verb `plan`: what a frame does, why, and what each effect costs it.
+#include "lab/plan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,15 +39,6 @@ double addedSeconds(const Measured& with, const Measured& without, Frames frames
         added.push_back(with.seconds[i] - without.seconds[i]);
     return added.empty() ? 0 : timingOf(std::move(added)).medianSeconds;
 }
-
-struct EffectCost {
-    std::int64_t glCalls = 0;
-    std::int64_t bytes = 0;
-    double seconds = 0;        ///< what switching it on adds to this frame …
-    double firstSeconds = 0;   ///< … by the even ones of the frames that were measured …
-    double secondSeconds = 0;  ///< … and by the odd ones
-    double aloneSeconds = 0;   ///< what it adds to a frame without other effects
-};
 
 /// Leaves nothing out again at its end.
 class LeavingOut {
@@ -100,6 +91,101 @@ std::string bytesText(double bytes) {
 
 }  // namespace
 
+FramePlan planFrame(Lab& lab, const LabEntry& entry, const std::string& scene, Studio& studio,
+                    const Frame& frame, int frames) {
+    constexpr int repeats = 7;
+    const Studio::FrameCost cost = studio.cost(lab, frame, repeats);
+    const std::vector<EffectReport> effects = lab.effects();
+    std::vector<std::string> calledFor;
+    for (const EffectReport& effect : effects)
+        if (effect.calledFor)
+            calledFor.push_back(effect.name);
+
+    // The frame; without each of its effects; without any; and with each alone.
+    std::vector<Measured> variants(1);
+    for (const std::string& effect : calledFor)
+        variants.push_back({.leftOut = {effect}});
+    if (!calledFor.empty())
+        variants.push_back({.leftOut = calledFor});
+    for (const std::string& effect : calledFor)
+        variants.push_back({.leftOut = without(calledFor, effect)});
+    measure(lab, studio, frame, variants, frames);
+    const std::size_t count = calledFor.size();
+    const auto costOf = [&](std::size_t i) {
+        const Measured& full = variants[0];
+        const Measured& less = variants[1 + i];
+        return EffectCost{
+            static_cast<std::int64_t>(full.glCalls) - static_cast<std::int64_t>(less.glCalls),
+            static_cast<std::int64_t>(full.targetBytes) - static_cast<std::int64_t>(less.targetBytes),
+            addedSeconds(full, less),
+            addedSeconds(full, less, Frames::even),
+            addedSeconds(full, less, Frames::odd),
+            addedSeconds(variants[2 + count + i], variants[1 + count])};
+    };
+
+    FramePlan plan{
+        scene,       entry.folder(), studio.context().renderer(), frame.width,     frame.height, {},
+        cost.passes, cost.glCalls,   variants[0].median(),        cost.targetBytes};
+    std::size_t next = 0;
+    for (const EffectReport& effect : effects)
+        plan.effects.push_back({effect, effect.calledFor ? costOf(next++) : EffectCost{}});
+    return plan;
+}
+
+std::string toText(const FramePlan& plan) {
+    std::string text = fmt::format("{} at {}x{}: {:.2f} ms, {} GL calls, {} of targets\n\n", plan.scene,
+                                   plan.width, plan.height, plan.seconds * 1e3, plan.glCalls,
+                                   bytesText(static_cast<double>(plan.memoryBytes)));
+    std::string in;
+    std::string out;
+    for (const auto& [effect, own] : plan.effects)
+        if (effect.calledFor)
+            in += fmt::format("  {:<22} {:>8.2f} ms ± {:<5.2f} {:>8.2f} ms alone {:>5} calls {:>9}  {}\n",
+                              effect.name, own.seconds * 1e3,
+                              0.5e3 * std::abs(own.firstSeconds - own.secondSeconds), own.aloneSeconds * 1e3,
+                              own.glCalls, bytesText(static_cast<double>(own.bytes)), effect.reason);
+        else
+            out += fmt::format("  {:<22} {}\n", effect.name, effect.reason);
+    if (!in.empty())
+        text += "effects in, and what switching each on adds\n" + in + "\n";
+    if (!out.empty())
+        text += "effects out\n" + out + "\n";
+    text += "passes, each waited for\n";
+    for (const gl::Executor::PassCost& pass : plan.passes)
+        text +=
+            fmt::format("  {:<34} {:>8.2f} ms {:>6} calls\n", pass.pass, pass.seconds * 1e3, pass.glCalls);
+    return text;
+}
+
+Json toJson(const FramePlan& plan) {
+    Json effects = Json::array();
+    for (const auto& [effect, own] : plan.effects)
+        effects.push_back({{"name", effect.name},
+                           {"called_for", effect.calledFor},
+                           {"reason", effect.reason},
+                           {"passes", effect.passes},
+                           {"gl_calls", own.glCalls},
+                           {"milliseconds", own.seconds * 1e3},
+                           {"milliseconds_even_frames", own.firstSeconds * 1e3},
+                           {"milliseconds_odd_frames", own.secondSeconds * 1e3},
+                           {"alone_milliseconds", own.aloneSeconds * 1e3},
+                           {"memory_bytes", own.bytes}});
+    Json passes = Json::array();
+    for (const gl::Executor::PassCost& pass : plan.passes)
+        passes.push_back(
+            {{"name", pass.pass}, {"gl_calls", pass.glCalls}, {"milliseconds", pass.seconds * 1e3}});
+    return {{"scene", plan.scene},
+            {"lab", plan.lab},
+            {"renderer", plan.renderer},
+            {"width", plan.width},
+            {"height", plan.height},
+            {"effects", effects},
+            {"passes", passes},
+            {"gl_calls", plan.glCalls},
+            {"milliseconds", plan.seconds * 1e3},
+            {"memory_bytes", plan.memoryBytes}};
+}
+
 void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options) {
     const DrawOptions& draw = options.draw;
     std::string scene = entry.folder();
@@ -120,88 +206,8 @@ void plan(Lab& lab, const LabEntry& entry, const PlanOptions& options) {
         print(studio.graph(lab, frame).graphviz());
         return;
     }
-
-    constexpr int repeats = 7;
-    const Studio::FrameCost cost = studio.cost(lab, frame, repeats);
-    const std::vector<EffectReport> effects = lab.effects();
-    std::vector<std::string> calledFor;
-    for (const EffectReport& effect : effects)
-        if (effect.calledFor)
-            calledFor.push_back(effect.name);
-
-    // The frame; without each of its effects; without any; and with each alone.
-    std::vector<Measured> variants(1);
-    for (const std::string& effect : calledFor)
-        variants.push_back({.leftOut = {effect}});
-    if (!calledFor.empty())
-        variants.push_back({.leftOut = calledFor});
-    for (const std::string& effect : calledFor)
-        variants.push_back({.leftOut = without(calledFor, effect)});
-    measure(lab, studio, frame, variants, options.frames);
-    const std::size_t count = calledFor.size();
-    const auto costOf = [&](std::size_t i) {
-        const Measured& full = variants[0];
-        const Measured& less = variants[1 + i];
-        return EffectCost{
-            static_cast<std::int64_t>(full.glCalls) - static_cast<std::int64_t>(less.glCalls),
-            static_cast<std::int64_t>(full.targetBytes) - static_cast<std::int64_t>(less.targetBytes),
-            addedSeconds(full, less),
-            addedSeconds(full, less, Frames::even),
-            addedSeconds(full, less, Frames::odd),
-            addedSeconds(variants[2 + count + i], variants[1 + count])};
-    };
-
-    std::string text = fmt::format("{} at {}x{}: {:.2f} ms, {} GL calls, {} of targets\n\n", scene,
-                                   frame.width, frame.height, variants[0].median() * 1e3, cost.glCalls,
-                                   bytesText(static_cast<double>(cost.targetBytes)));
-    Json rows = Json::array();
-    std::string in;
-    std::string out;
-    for (const EffectReport& effect : effects) {
-        const auto found = std::find(calledFor.begin(), calledFor.end(), effect.name);
-        const EffectCost own =
-            effect.calledFor ? costOf(static_cast<std::size_t>(found - calledFor.begin())) : EffectCost{};
-        rows.push_back({{"name", effect.name},
-                        {"called_for", effect.calledFor},
-                        {"reason", effect.reason},
-                        {"passes", effect.passes},
-                        {"gl_calls", own.glCalls},
-                        {"milliseconds", own.seconds * 1e3},
-                        {"milliseconds_even_frames", own.firstSeconds * 1e3},
-                        {"milliseconds_odd_frames", own.secondSeconds * 1e3},
-                        {"alone_milliseconds", own.aloneSeconds * 1e3},
-                        {"memory_bytes", own.bytes}});
-        if (effect.calledFor)
-            in += fmt::format("  {:<22} {:>8.2f} ms ± {:<5.2f} {:>8.2f} ms alone {:>5} calls {:>9}  {}\n",
-                              effect.name, own.seconds * 1e3,
-                              0.5e3 * std::abs(own.firstSeconds - own.secondSeconds), own.aloneSeconds * 1e3,
-                              own.glCalls, bytesText(static_cast<double>(own.bytes)), effect.reason);
-        else
-            out += fmt::format("  {:<22} {}\n", effect.name, effect.reason);
-    }
-    if (!in.empty())
-        text += "effects in, and what switching each on adds\n" + in + "\n";
-    if (!out.empty())
-        text += "effects out\n" + out + "\n";
-    text += "passes, each waited for\n";
-    Json passes = Json::array();
-    for (const gl::Executor::PassCost& pass : cost.passes) {
-        passes.push_back(
-            {{"name", pass.pass}, {"gl_calls", pass.glCalls}, {"milliseconds", pass.seconds * 1e3}});
-        text +=
-            fmt::format("  {:<34} {:>8.2f} ms {:>6} calls\n", pass.pass, pass.seconds * 1e3, pass.glCalls);
-    }
-    const Json json{{"scene", scene},
-                    {"lab", entry.folder()},
-                    {"renderer", studio.context().renderer()},
-                    {"width", frame.width},
-                    {"height", frame.height},
-                    {"effects", rows},
-                    {"passes", passes},
-                    {"gl_calls", cost.glCalls},
-                    {"milliseconds", variants[0].median() * 1e3},
-                    {"memory_bytes", cost.targetBytes}};
-    print(draw.json ? dump(json) : text);
+    const FramePlan result = planFrame(lab, entry, scene, studio, frame, options.frames);
+    print(draw.json ? dump(toJson(result)) : toText(result));
 }
 
 }  // namespace quincunx

@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "base/progress.h"
+#include "lab/json.h"
 
 namespace quincunx {
 namespace {
@@ -141,6 +142,28 @@ std::string toCsv(const SweepResult& result) {
         csv += fmt::format("{}\n", fmt::join(row, ","));
     }
     return csv;
+}
+
+Json toJson(const KnobValues& knobs) {
+    Json json = Json::object();
+    for (const auto& [name, value] : knobs)
+        json[name] = value;
+    return json;
+}
+
+Json toJson(const SweepResult& result) {
+    Json points = Json::array();
+    for (const SweepPoint& point : result.points)
+        points.push_back({{"knobs", toJson(point.knobs)},
+                          {"error", point.sample.error},
+                          {"seconds", point.sample.seconds},
+                          {"seconds_spread", point.sample.secondsSpread},
+                          {"counters", point.sample.counters},
+                          {"pareto", point.pareto}});
+    return {{"lab", result.lab},           {"sweep", result.name},
+            {"title", result.title},       {"reference", result.reference},
+            {"metric", result.metric},     {"error_unit", result.errorUnit},
+            {"renderer", result.renderer}, {"points", points}};
 }
 
 }  // namespace quincunx

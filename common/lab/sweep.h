@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "lab/studio.h"
 
 namespace quincunx {
@@ -39,5 +41,8 @@ std::optional<std::size_t> choosePoint(const std::vector<SweepPoint>& points,
 
 std::string toTable(const SweepResult& result);
 std::string toCsv(const SweepResult& result);
+nlohmann::ordered_json toJson(const SweepResult& result);
+/// An object of names and values.
+nlohmann::ordered_json toJson(const KnobValues& knobs);
 
 }  // namespace quincunx

@@ -22,6 +22,7 @@
 #include "lab/json.h"
 #include "lab/picture_state.h"
 #include "lab/plot.h"
+#include "lab/stress.h"
 #include "lab/studio.h"
 #include "lab/sweep.h"
 #include "lab/window.h"
@@ -35,13 +36,6 @@ constexpr int defaultWidth = 640;
 constexpr int defaultHeight = 480;
 constexpr int defaultWindowWidth = 960;
 constexpr int defaultWindowHeight = 720;
-
-Json toJson(const KnobValues& knobs) {
-    Json json = Json::object();
-    for (const auto& [name, value] : knobs)
-        json[name] = value;
-    return json;
-}
 
 float aspectOf(const Frame& frame) {
     return static_cast<float>(frame.width) / static_cast<float>(frame.height);
@@ -257,7 +251,7 @@ ExitStatus ask(std::span<const LabEntry> labs, int number, const DrawOptions& op
                 continue;
             Studio studio(options.backend);
             const Answer answer = answerQuestion(entry, question, studio);
-            print(options.json ? toJson(answer) : toText(answer));
+            print(options.json ? dump(toJson(answer)) : toText(answer));
             return answer.pass() ? ExitStatus::ok : ExitStatus::checkFellShort;
         }
     }
@@ -298,23 +292,9 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
         const bool choose = options.budgetSeconds || options.maxError;
         const std::optional<std::size_t> choice =
             choosePoint(result.points, options.budgetSeconds, options.maxError);
-        Json points = Json::array();
-        for (std::size_t i = 0; i < result.points.size(); ++i) {
-            const SweepPoint& point = result.points[i];
-            Json row{{"knobs", toJson(point.knobs)},
-                     {"error", point.sample.error},
-                     {"seconds", point.sample.seconds},
-                     {"counters", point.sample.counters},
-                     {"pareto", point.pareto}};
-            if (choose)
-                row["chosen"] = i == choice.value_or(result.points.size());
-            points.push_back(row);
-        }
-        array.push_back({{"lab", entry.folder()},
-                         {"sweep", result.name},
-                         {"reference", result.reference},
-                         {"metric", result.metric},
-                         {"points", points}});
+        array.push_back(toJson(result));
+        for (std::size_t i = 0; choose && i < result.points.size(); ++i)
+            array.back()["points"][i]["chosen"] = i == choice.value_or(result.points.size());
         text += toTable(result) + "\n";
         if (choose && choice) {
             std::vector<std::string> knobs;
@@ -332,43 +312,10 @@ ExitStatus sweep(Lab& lab, const LabEntry& entry, const SweepOptions& options) {
 }
 
 ExitStatus stress(Lab& lab, const LabEntry& entry, const StressOptions& options) {
-    constexpr std::uint64_t quickInputs = 20'000;
-    constexpr std::uint64_t fullInputs = 1'000'000;
-    const std::uint64_t inputs = options.full ? fullInputs : quickInputs;
-    const std::vector<HardCase> cases = lab.hardCases();
-    Json array = Json::array();
-    std::string text = fmt::format("{}\n\n  {:<22} {:<54} {:>9} {:>9} {:>11} {:>11} {:>9}\n", entry.folder(),
-                                   "routine", "hard input", "inputs", "naive", "naive", "stable", "bound");
-    text +=
-        fmt::format("  {:<22} {:<54} {:>9} {:>9} {:>11} {:>11}\n", "", "", "", "failures", "error", "error");
-    bool pass = true;
-    Progress progress(entry.folder() + " stress", std::max<std::size_t>(cases.size(), 1));
-    std::size_t done = 0;
-    for (const HardCase& hardCase : cases) {
-        const HardCaseFigures figures = hardCase.run(inputs, options.seed);
-        const bool holds = hardCase.holds(figures);
-        pass = pass && holds;
-        array.push_back({{"routine", hardCase.routine},
-                         {"hard_input", hardCase.hardInput},
-                         {"inputs", figures.inputs},
-                         {"naive_failures", figures.naiveFailures},
-                         {"naive_error", figures.naiveError},
-                         {"stable_failures", figures.stableFailures},
-                         {"stable_error", figures.stableError},
-                         {"unit", hardCase.unit},
-                         {"bound", hardCase.bound},
-                         {"source", hardCase.source},
-                         {"pass", holds}});
-        text += fmt::format("  {:<22} {:<54} {:>9} {:>9} {:>11.4g} {:>11.4g} {:>9.3g}  {}{}\n",
-                            hardCase.routine, hardCase.hardInput, figures.inputs, figures.naiveFailures,
-                            figures.naiveError, figures.stableError, hardCase.bound, hardCase.unit,
-                            holds ? ""
-                                  : fmt::format("  FELL SHORT ({} failures) at {}", figures.stableFailures,
-                                                figures.worstInput));
-        progress.update(++done);
-    }
-    print(options.json ? dump({{"lab", entry.folder()}, {"cases", array}, {"pass", pass}}) : text);
-    return pass ? ExitStatus::ok : ExitStatus::checkFellShort;
+    const StressResult result =
+        runStress(lab, entry, options.full ? fullStressInputs : quickStressInputs, options.seed);
+    print(options.json ? dump(toJson(result)) : toTable(result));
+    return result.pass() ? ExitStatus::ok : ExitStatus::checkFellShort;
 }
 
 namespace {

@@ -36,13 +36,15 @@ const std::map<std::string, std::set<std::string>> mayInclude = {
     {"gl", {"base", "math", "geometry", "image", "scene", "graph"}},
     {"trace", {"base", "math", "geometry", "image", "scene"}},
     {"passes", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace"}},
+    {"web", {"base", "math", "image"}},
     {"lab", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace"}},
-    {"grade", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "lab"}},
-    {"cli", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "lab", "grade"}},
+    {"atlas", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab"}},
+    {"grade", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab"}},
+    {"cli", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab", "atlas", "grade"}},
     {"labs", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "passes", "lab"}},
 };
 
-const std::set<std::string> roomsWithGl = {"gl", "passes", "lab", "labs"};
+const std::set<std::string> roomsWithGl = {"gl", "passes", "lab", "atlas", "cli", "labs"};
 const std::set<std::string> glHeaders = {"glad", "GL", "GLES2", "GLES3", "EGL", "GLFW", "KHR"};
 
 /// The folder that a file or an include is in, seen from common/ or from the top: "lab" for "lab/lab.h".

@@ -160,6 +160,13 @@ bool encodeExr(const Image& image, const std::string& note, std::vector<unsigned
     return encode("openexr", std::move(spec), image, note, bytes, error);
 }
 
+bool encodeJpeg(const Image8& image, int quality, std::vector<unsigned char>& bytes, std::string& error) {
+    OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
+    spec.attribute("compression", "jpeg:" + std::to_string(quality));
+    spec.attribute("oiio:ColorSpace", image.encoding == Encoding::srgb ? "sRGB" : "Linear");
+    return encode("jpeg", std::move(spec), image, {}, bytes, error);
+}
+
 }  // namespace
 }  // namespace quincunx::imageio
 
@@ -181,7 +188,8 @@ extern "C" __attribute__((visibility("default"))) const quincunx::imageio::Table
         OIIO::attribute("exr_threads", -1);
         OIIO::attribute("limits:channels", 64);
         return quincunx::imageio::Table{quincunx::imageio::tableVersion, quincunx::imageio::decode,
-                                        quincunx::imageio::encodePng, quincunx::imageio::encodeExr};
+                                        quincunx::imageio::encodePng, quincunx::imageio::encodeExr,
+                                        quincunx::imageio::encodeJpeg};
     }();
     return &table;
 }

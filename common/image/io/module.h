@@ -22,7 +22,7 @@ struct Decoded {
 enum class Depth { none, bits8, float32 };  ///< none: the note alone
 
 /// Version of this table: the library and the module must have been built from the same one.
-inline constexpr int tableVersion = 1;
+inline constexpr int tableVersion = 2;
 
 struct Table {
     int version = 0;
@@ -35,6 +35,9 @@ struct Table {
                       std::string& error) = nullptr;
     bool (*encodeExr)(const Image& image, const std::string& note, std::vector<unsigned char>& bytes,
                       std::string& error) = nullptr;
+    /// Of 1 or 3 channels; `quality` is 1 … 100.
+    bool (*encodeJpeg)(const Image8& image, int quality, std::vector<unsigned char>& bytes,
+                       std::string& error) = nullptr;
 };
 
 /// The one symbol that the module exports.
