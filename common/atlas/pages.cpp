@@ -267,9 +267,10 @@ std::string treeFile(const Site& site, const std::string& folder, const std::str
 }
 
 int writeSourcePage(const Site& site, const LabResults& lab, const std::string& path) {
-    std::string root;
-    for (auto depth = std::distance(fs::path(path).begin(), fs::path(path).end()); depth-- > 0;)
-        root += "../";
+    std::string root = "../";  // of the folder sources/
+    for (const char c : path)
+        if (c == '/')
+            root += "../";
     Json view = pageView(path, root, "", {});
     view["folder"] = lab.folder;
     view["heading"] = headingOf(lab.name);

@@ -95,7 +95,7 @@ std::string inlineHtml(std::string_view markdown,
             flush();
             std::string code(inside);
             for (std::size_t bar; (bar = code.find("\\|")) != std::string::npos;)
-                code.replace(bar, 2, "|");
+                code.erase(bar, 1);
             html += "<code>" + web::escaped(code) + "</code>";
         } else if (between(markdown, at, "**", "**", inside)) {
             flush();
