@@ -364,6 +364,10 @@ bool Alignment::has(Handling handling) const {
                        [&](const Finding& finding) { return finding.handling == handling; });
 }
 
+Alignment align(const Image8& reference, const Image8& submitted) {
+    return Aligner(reference, submitted).run();
+}
+
 Image8 rgbOf(const Image8& image) {
     Image8 result(image.width, image.height, 3, image.encoding);
     const std::size_t channels = static_cast<std::size_t>(image.channels);

@@ -237,7 +237,6 @@ Exercise ShadingLab::exercise() const {
     Exercise exercise;
     exercise.effects = {{"the highlights", {{"specular", "off"}}},
                         {"the diffuse light", {{"diffuse", "off"}}},
-                        {"the ambient light", {{"ambient", "off"}}},
                         {"where the light comes from", {{"light-turn", "50"}}}};
     exercise.freeKnobs = {"supersample"};
     exercise.shader = "passes/phong.frag";

@@ -227,8 +227,8 @@ void timeClass(const fs::path& root) {
     const auto same = [](const Image8& image, std::uint64_t) { return image; };
     const std::vector<Kind> kinds = {{"correct", count / 6, 95, 100, {}, same},
                                      {"another driver", count / 6, 95, 100, {}, noisy},
-                                     {"no highlights", count / 6, 0, 85, {{"specular", "off"}}, noisy},
-                                     {"wrong light", count / 6, 0, 85, {{"light-turn", "60"}}, noisy},
+                                     {"no highlights", count / 6, 0, 80, {{"specular", "off"}}, noisy},
+                                     {"wrong light", count / 6, 0, 80, {{"light-turn", "60"}}, noisy},
                                      {"gamma", count / 6, 0, 80, {}, power(1 / 2.2)},
                                      {"crop", count / 6, 0, 98, {}, offByOne}};
     makePictures(made, kinds, 1280, 720);
@@ -247,9 +247,9 @@ int run(bool quick) {
     const fs::path root = fs::temp_directory_path() / fmt::format("quincunx_bench_grading_{}", getpid());
     const auto same = [](const Image8& image, std::uint64_t) { return image; };
     bool good = gradeKinds("shading",
-                           {{"no highlights", 7, 0, 85, {{"specular", "off"}}, same},
-                            {"no diffuse light", 7, 0, 85, {{"diffuse", "off"}}, same},
-                            {"wrong light", 7, 0, 85, {{"light-turn", "60"}}, same}},
+                           {{"no highlights", 7, 0, 80, {{"specular", "off"}}, same},
+                            {"no diffuse light", 7, 0, 80, {{"diffuse", "off"}}, same},
+                            {"wrong light", 7, 0, 80, {{"light-turn", "60"}}, same}},
                            root);
     good = gradeKinds("shadow_maps",
                       {{"no shadows", 7, 0, 70, {}, same, true, true},

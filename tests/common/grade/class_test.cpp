@@ -50,10 +50,10 @@ TEST_F(Class, IsScoredWithAReasonForEveryLostPoint) {
     EXPECT_EQ(pointsOf(records.at("smoother")), 100);
     EXPECT_EQ(pointsOf(records.at("no_record")), 100);
     EXPECT_EQ(pointsOf(records.at("from_the_side")), 100);
-    // What a record claims of the task's own knobs gains nothing: the highlights' 15 points are lost.
+    // What a record claims of the task's own knobs gains nothing: the highlights' 20 points are lost.
     const Record& noHighlight = records.at("no_highlight");
-    EXPECT_LE(pointsOf(noHighlight), 85);
-    EXPECT_THAT(noHighlight.reasons(), Contains(HasSubstr("the highlights: 0.0 of 15.0 points: missing")));
+    EXPECT_LE(pointsOf(noHighlight), 80);
+    EXPECT_THAT(noHighlight.reasons(), Contains(HasSubstr("the highlights: 0.0 of 20.0 points: missing")));
     EXPECT_THAT(noHighlight.parts.at(0).remarks, Contains(HasSubstr("--specular=off, where the task has on")));
     EXPECT_LE(pointsOf(records.at("wrong_light")), 60);
     // A camera that hides everything is not followed.
