@@ -371,7 +371,7 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     addNumber(*gradeCommand, "--jobs", gradeOptions.grade.jobs, 1, 1024, "Submissions at a time")
         ->type_name("N")
         ->default_str("one a processor");
-    addNumber(*gradeCommand, "--seconds", gradeOptions.grade.secondsEach, 1, 3600, "That a submission may take")
+    addNumber(*gradeCommand, "--seconds", gradeOptions.grade.secondsEach, 1, 3600, "Of processor time that a submission may take")
         ->type_name("S")
         ->default_str("60");
     addBackend(*gradeCommand, gradeOptions.grade.backend, false);

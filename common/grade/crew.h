@@ -23,11 +23,11 @@ class Worker {
     Worker(const Worker&) = delete;
     Worker& operator=(const Worker&) = delete;
 
-    /// Begins a job that has to end within these seconds.
+    /// Begins a job that may take these seconds of processor time. EnvironmentError if no process starts.
     void begin(const Message& job, std::chrono::seconds most);
     void send(const Message& message);
-    /// The job's next message; "failed" {reason} if its process was killed, ran out of time or said nonsense, and then the job is
-    /// over.
+    /// The job's next message; "failed" {reason} if its process was killed, ran out of time or said nonsense: then
+    /// the job is over.
     Message next();
     /// Waits for the job's end.
     void finish();

@@ -44,7 +44,7 @@ struct Options {
     gl::Backend backend = gl::Backend::automatic;
     bool anonymous = false;               ///< names in lms/ and journal/ only
     std::optional<Shard> shard;
-    int secondsEach = 60;                 ///< that a submission may take
+    int secondsEach = 60;                 ///< of processor time that a submission may take
     std::vector<std::string> worker;      ///< words that call runWorker; empty: this program and `grade-worker`
 };
 

@@ -45,9 +45,9 @@ std::vector<std::string> Record::reasons() const {
             if (!line.reason.empty())
                 result.push_back(fmt::format("{}: {:.1f} of {:.1f} points: {}", line.name, line.points, line.of, line.reason));
     }
+    result.insert(result.end(), faults.begin(), faults.end());
     if (parts.empty())
         result.emplace_back("nothing that can be graded: no screenshot and no shader");
-    result.insert(result.end(), faults.begin(), faults.end());
     return result;
 }
 

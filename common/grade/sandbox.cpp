@@ -57,7 +57,9 @@ constexpr int allowed[] = {
 void limitProcess(const ProcessLimits& limits) {
     limit(RLIMIT_CORE, 0);
     limit(RLIMIT_FSIZE, 0);
-    limit(RLIMIT_CPU, static_cast<rlim_t>(limits.cpuSeconds));
+    rusage used{};
+    getrusage(RUSAGE_SELF, &used);
+    limit(RLIMIT_CPU, static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec + 1 + limits.cpuSeconds));
 #ifndef __SANITIZE_ADDRESS__
     limit(RLIMIT_AS, mappedBytes() + limits.memoryBytes);
 #endif

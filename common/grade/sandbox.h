@@ -7,7 +7,7 @@ namespace quincunx::grade {
 
 /// What a process that handles a submission may use.
 struct ProcessLimits {
-    int cpuSeconds = 60;
+    int cpuSeconds = 60;  ///< of all threads, beyond what was used when the limits begin
     std::uint64_t memoryBytes = std::uint64_t{3} << 30;  ///< beyond what is mapped when the limits begin
 };
 

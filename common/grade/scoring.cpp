@@ -69,10 +69,17 @@ std::string reasonFor(const Property& property, double figure, const Image& erro
     return {};
 }
 
-/// SSIM needs 11 × 11 pixels; smaller pictures count by their ꟻLIP.
+/// SSIM on pictures whose shorter side is brought to about 256 pixels first, as its authors do (their program
+/// ssim.m): the window then has the size at which people judged. Pictures below 11 × 11 count by their ꟻLIP.
 double similarity(const Image8& reference, const Image8& submitted, double flip) {
-    constexpr int side = 11;
-    return reference.width < side || reference.height < side ? 1 - flip : ssim(reference, submitted);
+    constexpr int window = 11;
+    constexpr int judged = 256;
+    const int shorter = std::min(reference.width, reference.height);
+    if (shorter < window)
+        return 1 - flip;
+    const int factor = std::max(1, (shorter + judged / 2) / judged);
+    const auto reduced = [factor](const Image8& image) { return resized(image, image.width / factor, image.height / factor); };
+    return ssim(reduced(reference), reduced(submitted));
 }
 
 void measure(Result& result, const std::vector<Property>& properties, const std::vector<Image8>& without) {

@@ -469,6 +469,8 @@ int runWorker(std::span<const LabEntry> labs) {
     setting.limits.cpuSeconds = begin->header.at("cpu_seconds").get<int>();
     setting.limits.memoryBytes = begin->header.at("memory_bytes").get<std::uint64_t>();
     warmUp();
+    if (!send(STDOUT_FILENO, {"ready", Json::object(), {}}))
+        return 0;
     while (true) {
         pollfd input{STDIN_FILENO, POLLIN, 0};
         if (poll(&input, 1, -1) < 0)

@@ -10,7 +10,7 @@
 
 #include "image/image.h"
 
-/// Picture files. PNG, JPEG, EXR and Radiance HDR are read, PNG and EXR written, by OpenImageIO. That library
+/// Picture files. PNG, JPEG, WebP, EXR and Radiance HDR are read, PNG and EXR written, by OpenImageIO. That library
 /// is loaded at the first call that needs it and never otherwise.
 ///
 /// Files are not believed: the kind is told from the first bytes, never from the name; size and channels are
