@@ -355,9 +355,11 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     atlasCommand->callback([&] { status = makeAtlas(labs, atlasOptions); });
 
     GradeOptions gradeOptions;
-    CLI::App* gradeCommand = app.add_subcommand("grade", "Score what a class handed in: tables, report, LMS files");
-    gradeCommand->add_option("SUBMISSIONS", gradeOptions.places,
-                             "A folder or ZIP, one file or folder a student; with --merge, folders of shards");
+    CLI::App* gradeCommand =
+        app.add_subcommand("grade", "Score what a class handed in: tables, report, LMS files");
+    gradeCommand->add_option(
+        "SUBMISSIONS", gradeOptions.places,
+        "A folder or ZIP, one file or folder a student; with --merge, folders of shards");
     if (only == nullptr)
         gradeCommand->add_option("--lab", gradeOptions.lab, "What the class worked on")->type_name("LAB");
     else
@@ -371,7 +373,8 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     addNumber(*gradeCommand, "--jobs", gradeOptions.grade.jobs, 1, 1024, "Submissions at a time")
         ->type_name("N")
         ->default_str("one a processor");
-    addNumber(*gradeCommand, "--seconds", gradeOptions.grade.secondsEach, 1, 3600, "Of processor time that a submission may take")
+    addNumber(*gradeCommand, "--seconds", gradeOptions.grade.secondsEach, 1, 3600,
+              "Of processor time that a submission may take")
         ->type_name("S")
         ->default_str("60");
     addBackend(*gradeCommand, gradeOptions.grade.backend, false);
@@ -381,7 +384,8 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
     gradeCommand->callback([&] { gradeSubmissions(labs, gradeOptions); });
 
     HandoutOptions handoutOptions;
-    CLI::App* handoutCommand = labVerb("handout", "A student's starter: the lab's shader without the part to write", false);
+    CLI::App* handoutCommand =
+        labVerb("handout", "A student's starter: the lab's shader without the part to write", false);
     handoutCommand->add_option("--out", handoutOptions.out, "Where it goes")
         ->type_name("FOLDER")
         ->default_str("out/handout/LAB");

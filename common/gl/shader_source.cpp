@@ -25,9 +25,9 @@ constexpr std::string_view versionLine = "#version 330 core";
 
 /// All shaders, where they are kept in memory.
 struct KeptShaders {
-    fs::path assets;                                      ///< assetRoot() as it was
-    std::map<fs::path, std::string> texts;                ///< by whole name
-    std::map<fs::path, std::uint64_t> changes;            ///< how often each was replaced
+    fs::path assets;                            ///< assetRoot() as it was
+    std::map<fs::path, std::string> texts;      ///< by whole name
+    std::map<fs::path, std::uint64_t> changes;  ///< how often each was replaced
 };
 
 std::optional<KeptShaders>& keptShaders() {

@@ -32,8 +32,8 @@ int lumaOf(const std::uint8_t* p) {
     return (77 * p[0] + 150 * p[1] + 29 * p[2]) >> 8;
 }
 
-/// Mean squared difference of codes over where the pictures overlap when the second's pixel (x, y) lies on the
-/// first's (x + dx, y + dy).
+/// Mean squared difference of codes over where the pictures overlap when the second's pixel (x, y) lies on
+/// the first's (x + dx, y + dy).
 double differenceAt(const Image8& a, const Image8& b, int dx, int dy, int step) {
     const int x0 = std::max(0, dx);
     const int y0 = std::max(0, dy);
@@ -84,11 +84,12 @@ Offset placeInside(const Image8& larger, const Image8& reference) {
     const int factor = std::max(1, std::max(larger.width, larger.height) / thumbnailSide);
     const Image8 smallLarger = thumbnailOf(larger, factor);
     const Image8 smallReference = thumbnailOf(reference, factor);
-    const Offset coarse = bestOffset(smallLarger, smallReference, 0,
-                                     std::max(0, smallLarger.width - smallReference.width), 0,
-                                     std::max(0, smallLarger.height - smallReference.height), 1);
+    const Offset coarse =
+        bestOffset(smallLarger, smallReference, 0, std::max(0, smallLarger.width - smallReference.width), 0,
+                   std::max(0, smallLarger.height - smallReference.height), 1);
     const auto around = [factor](int middle, int most) {
-        return std::pair(std::clamp(factor * (middle - 1), 0, most), std::clamp(factor * (middle + 1), 0, most));
+        return std::pair(std::clamp(factor * (middle - 1), 0, most),
+                         std::clamp(factor * (middle + 1), 0, most));
     };
     const auto [lowX, highX] = around(coarse.dx, larger.width - reference.width);
     const auto [lowY, highY] = around(coarse.dy, larger.height - reference.height);
@@ -100,8 +101,9 @@ Image8 mirrored(const Image8& image, bool sideways, bool upsideDown) {
     Image8 result = image;
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x)
-            std::copy_n(image.pixel(sideways ? image.width - 1 - x : x, upsideDown ? image.height - 1 - y : y), 3,
-                        result.pixel(x, y));
+            std::copy_n(
+                image.pixel(sideways ? image.width - 1 - x : x, upsideDown ? image.height - 1 - y : y), 3,
+                result.pixel(x, y));
     return result;
 }
 
@@ -212,9 +214,13 @@ class Aligner {
     /// Differences that need no explanation: two codes, as another driver's rounding makes.
     static constexpr double alike = 4;
 
-    void note(Handling handling, std::string text) { result_.findings.push_back({handling, std::move(text)}); }
+    void note(Handling handling, std::string text) {
+        result_.findings.push_back({handling, std::move(text)});
+    }
 
-    double meanSquare() const { return differenceAt(reference_, submitted_, 0, 0, sampleStep(reference_.width, reference_.height)); }
+    double meanSquare() const {
+        return differenceAt(reference_, submitted_, 0, 0, sampleStep(reference_.width, reference_.height));
+    }
 
     bool isBlank() const {
         // Noise of one code, and JPEG's, has less; any drawing far more.
@@ -236,16 +242,15 @@ class Aligner {
             const Offset place = placeInside(submitted_, reference_);
             if (place.difference < 0.5 * scaledDifference) {
                 note(Handling::bordered,
-                     fmt::format("bordered: {}; the picture begins {} from the left and {} from the top", sizes,
-                                 pixels(place.dx, "pixel"), pixels(place.dy, "pixel")));
+                     fmt::format("bordered: {}; the picture begins {} from the left and {} from the top",
+                                 sizes, pixels(place.dx, "pixel"), pixels(place.dy, "pixel")));
                 submitted_ = cropped(submitted_, place.dx, place.dy, reference_.width, reference_.height);
                 return;
             }
         }
         if (std::abs(wider) <= mostCropped && std::abs(taller) <= mostCropped) {
-            const Offset place =
-                bestOffset(reference_, submitted_, std::min(0, -wider), std::max(0, -wider), std::min(0, -taller),
-                           std::max(0, -taller), step);
+            const Offset place = bestOffset(reference_, submitted_, std::min(0, -wider), std::max(0, -wider),
+                                            std::min(0, -taller), std::max(0, -taller), step);
             if (place.difference <= scaledDifference) {
                 note(Handling::cropped, fmt::format("cropped: {}", sizes));
                 overlap(place.dx, place.dy);
@@ -269,8 +274,8 @@ class Aligner {
     }
 
     /// A change is believed if it takes most of the difference away. What is left is no more than the mean
-    /// squared difference of pictures with defects in a part of them; a wrong explanation leaves about as much
-    /// as there was.
+    /// squared difference of pictures with defects in a part of them; a wrong explanation leaves about as
+    /// much as there was.
     static bool explains(double before, double after) { return after < 0.4 * before; }
 
     void undoMirroring() {
@@ -280,15 +285,16 @@ class Aligner {
         double least = before;
         int chosen = 0;
         for (int way = 1; way < 4; ++way)
-            if (const double after =
-                    differenceAt(small, thumbnailOf(mirrored(submitted_, way % 2 == 1, way / 2 == 1), factor), 0, 0, 1);
+            if (const double after = differenceAt(
+                    small, thumbnailOf(mirrored(submitted_, way % 2 == 1, way / 2 == 1), factor), 0, 0, 1);
                 after < least) {
                 least = after;
                 chosen = way;
             }
         if (chosen == 0 || !explains(before, least))
             return;
-        constexpr std::array<const char*, 4> ways = {"", "left is right", "top is bottom", "turned by 180 degrees"};
+        constexpr std::array<const char*, 4> ways = {"", "left is right", "top is bottom",
+                                                     "turned by 180 degrees"};
         note(Handling::mirrored, fmt::format("mirrored: {}", ways[static_cast<std::size_t>(chosen)]));
         submitted_ = mirrored(submitted_, chosen % 2 == 1, chosen / 2 == 1);
     }
@@ -300,7 +306,8 @@ class Aligner {
         Order chosen = {0, 1, 2};
         Order order = {0, 1, 2};
         while (std::next_permutation(order.begin(), order.end()))
-            if (const double after = differenceAt(reference_, reordered(submitted_, order), 0, 0, step); after < least) {
+            if (const double after = differenceAt(reference_, reordered(submitted_, order), 0, 0, step);
+                after < least) {
                 least = after;
                 chosen = order;
             }
@@ -308,7 +315,8 @@ class Aligner {
             return;
         const auto letter = [&](std::size_t c) { return "RGB"[chosen[c]]; };
         note(Handling::swappedChannels,
-             fmt::format("swapped-channels: red, green and blue are right when read as {}{}{}", letter(0), letter(1), letter(2)));
+             fmt::format("swapped-channels: red, green and blue are right when read as {}{}{}", letter(0),
+                         letter(1), letter(2)));
         submitted_ = reordered(submitted_, chosen);
     }
 
@@ -321,21 +329,24 @@ class Aligner {
             bestOffset(reference_, submitted_, -mostShifted, mostShifted, -mostShifted, mostShifted, step);
         if (!explains(before, place.difference))
             return;
-        note(Handling::shifted, fmt::format("shifted: by {} across and {} down", pixels(-place.dx, "pixel"), pixels(-place.dy, "pixel")));
+        note(Handling::shifted, fmt::format("shifted: by {} across and {} down", pixels(-place.dx, "pixel"),
+                                            pixels(-place.dy, "pixel")));
         overlap(place.dx, place.dy);
     }
 
     void undoGamma() {
         const CodeStatistics statistics = statisticsOf(reference_, submitted_);
         const double exponent = fittedExponent(statistics);
-        constexpr double leastChange = 0.05;  // of the exponent's logarithm: 2 codes in the middle of the range
+        constexpr double leastChange =
+            0.05;  // of the exponent's logarithm: 2 codes in the middle of the range
         if (std::abs(std::log(exponent)) < leastChange ||
             !explains(statistics.residual(1), statistics.residual(exponent)))
             return;
-        note(Handling::gamma, fmt::format("gamma: the codes are the reference's to the power of {:.2f}{}", exponent,
-                                          std::abs(exponent - 1 / 2.2) < 0.06   ? ", encoded once more than they should be"
-                                          : std::abs(exponent - 2.2) < 0.3 ? ", linear light that was never encoded"
-                                                                            : ""));
+        note(Handling::gamma,
+             fmt::format("gamma: the codes are the reference's to the power of {:.2f}{}", exponent,
+                         std::abs(exponent - 1 / 2.2) < 0.06 ? ", encoded once more than they should be"
+                         : std::abs(exponent - 2.2) < 0.3    ? ", linear light that was never encoded"
+                                                             : ""));
         const std::array<std::uint8_t, 256> inverse = powerCurve(1 / exponent);
         for (std::uint8_t& code : submitted_.data)
             code = inverse[code];

@@ -33,11 +33,12 @@ struct Alignment {
     bool has(Handling handling) const;
 };
 
-/// Looks, in this order, for: no picture at all (all pixels nearly one colour), another size (a border around,
-/// some rows or columns cut off, another scale), a mirrored picture, exchanged channels, a shift by up to six
-/// pixels, and a power curve. Each is taken as found only if undoing it removes most of the difference, so that
-/// a wrong picture stays as it is. The pictures have 1 to 4 channels; alpha is left out. Of different sizes
-/// whose sides differ by more than 8 pixels the submitted one is brought to the reference's size.
+/// Looks, in this order, for: no picture at all (all pixels nearly one colour), another size (a border
+/// around, some rows or columns cut off, another scale), a mirrored picture, exchanged channels, a shift by
+/// up to six pixels, and a power curve. Each is taken as found only if undoing it removes most of the
+/// difference, so that a wrong picture stays as it is. The pictures have 1 to 4 channels; alpha is left out.
+/// Of different sizes whose sides differ by more than 8 pixels the submitted one is brought to the
+/// reference's size.
 Alignment align(const Image8& reference, const Image8& submitted);
 
 /// RGB codes: grey spread, alpha left out.

@@ -19,9 +19,11 @@ using Entry = std::unique_ptr<zip_file_t, decltype(&zip_fclose)>;
 std::string nameFault(std::string_view name) {
     if (name.empty() || name.size() > 1000)
         return "a name that is empty or too long";
-    if (std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == '\x7F'; }))
+    if (std::any_of(name.begin(), name.end(),
+                    [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == '\x7F'; }))
         return "control characters in its name";
-    if (name.front() == '/' || name.find('\\') != std::string_view::npos || name.find(':') != std::string_view::npos)
+    if (name.front() == '/' || name.find('\\') != std::string_view::npos ||
+        name.find(':') != std::string_view::npos)
         return "an absolute name";
     while (!name.empty()) {
         const std::size_t slash = std::min(name.find('/'), name.size());
@@ -43,7 +45,8 @@ class Unpacker {
         zip_t* const opened =
             source == nullptr ? nullptr : zip_open_from_source(source, ZIP_RDONLY | ZIP_CHECKCONS, &error);
         if (opened == nullptr) {
-            fault(prefix, fmt::format("the archive cannot be opened: {}", printable(zip_error_strerror(&error), 80)));
+            fault(prefix,
+                  fmt::format("the archive cannot be opened: {}", printable(zip_error_strerror(&error), 80)));
             if (source != nullptr)
                 zip_source_free(source);
             zip_error_fini(&error);
@@ -67,7 +70,8 @@ class Unpacker {
     void fault(const std::string& name, const std::string& what) {
         constexpr std::size_t most = 50;
         if (result.faults.size() < most)
-            result.faults.push_back(fmt::format("{}: {}", name.empty() ? "archive" : printable(name, 120), what));
+            result.faults.push_back(
+                fmt::format("{}: {}", name.empty() ? "archive" : printable(name, 120), what));
     }
 
     void take(zip_t* archive, zip_uint64_t index, const std::string& prefix, int depth) {
@@ -95,13 +99,15 @@ class Unpacker {
         constexpr std::uint64_t harmless = 1 << 20;
         if (stat.size > limits_.entryBytes || totalBytes_ + stat.size > limits_.totalBytes)
             return fault(whole, fmt::format("refused: {} bytes unpacked", stat.size));
-        if (stat.size > harmless && static_cast<double>(stat.size) > limits_.ratio * static_cast<double>(stat.comp_size))
+        if (stat.size > harmless &&
+            static_cast<double>(stat.size) > limits_.ratio * static_cast<double>(stat.comp_size))
             return fault(whole, fmt::format("refused: {} bytes out of {}", stat.size, stat.comp_size));
         const Entry entry(zip_fopen_index(archive, index, 0), &zip_fclose);
         std::string bytes(entry ? stat.size : 0, '\0');
         const zip_int64_t got = entry ? zip_fread(entry.get(), bytes.data(), bytes.size()) : -1;
         char beyond = 0;
-        const bool whole_ = got == static_cast<zip_int64_t>(bytes.size()) && zip_fread(entry.get(), &beyond, 1) == 0;
+        const bool whole_ =
+            got == static_cast<zip_int64_t>(bytes.size()) && zip_fread(entry.get(), &beyond, 1) == 0;
         if (!whole_)
             return fault(whole, "refused: damaged");
         totalBytes_ += bytes.size();

@@ -29,9 +29,9 @@ struct Unpacked {
 /// True for the first bytes of a ZIP.
 bool isArchive(std::string_view bytes);
 
-/// The regular files of a ZIP in memory. Refused, each with a fault: names with "..", absolute ones, ones with
-/// control characters; links and devices; encrypted and damaged entries; what exceeds a limit. A file that is no
-/// ZIP is one fault. Throws nothing but std::bad_alloc.
+/// The regular files of a ZIP in memory. Refused, each with a fault: names with "..", absolute ones, ones
+/// with control characters; links and devices; encrypted and damaged entries; what exceeds a limit. A file
+/// that is no ZIP is one fault. Throws nothing but std::bad_alloc.
 Unpacked unpack(std::string_view bytes, const ArchiveLimits& limits = {});
 
 }  // namespace quincunx::grade

@@ -40,7 +40,8 @@ using Deadline = std::optional<std::chrono::steady_clock::time_point>;
 bool readAll(int pipe, char* to, std::size_t count, const Deadline& deadline) {
     while (count > 0) {
         if (deadline) {
-            const auto left = std::chrono::ceil<std::chrono::milliseconds>(*deadline - std::chrono::steady_clock::now());
+            const auto left =
+                std::chrono::ceil<std::chrono::milliseconds>(*deadline - std::chrono::steady_clock::now());
             pollfd stream{pipe, POLLIN, 0};
             const int ready = poll(&stream, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
             if (ready < 0 && errno == EINTR)
@@ -79,7 +80,8 @@ bool send(int pipe, const Message& message) {
     const Lengths lengths{.header = text.size(), .blob = message.blob.size()};
     return text.size() <= maxHeader && message.blob.size() <= maxBlob &&
            writeAll(pipe, reinterpret_cast<const char*>(&lengths), sizeof lengths) &&
-           writeAll(pipe, text.data(), text.size()) && writeAll(pipe, message.blob.data(), message.blob.size());
+           writeAll(pipe, text.data(), text.size()) &&
+           writeAll(pipe, message.blob.data(), message.blob.size());
 }
 
 std::optional<Message> receive(int pipe, Deadline deadline) {
@@ -89,10 +91,12 @@ std::optional<Message> receive(int pipe, Deadline deadline) {
         return {};
     std::string text;
     Message message;
-    if (!readText(pipe, text, lengths.header, deadline) || !readText(pipe, message.blob, lengths.blob, deadline))
+    if (!readText(pipe, text, lengths.header, deadline) ||
+        !readText(pipe, message.blob, lengths.blob, deadline))
         return {};
     message.header = Json::parse(text, nullptr, false);
-    if (!message.header.is_object() || !message.header.contains("kind") || !message.header["kind"].is_string())
+    if (!message.header.is_object() || !message.header.contains("kind") ||
+        !message.header["kind"].is_string())
         return {};
     message.kind = message.header["kind"].get<std::string>();
     return message;

@@ -18,8 +18,8 @@ struct Message {
 /// Writes the message to a pipe; false if nobody reads.
 bool send(int pipe, const Message& message);
 
-/// The next message; nothing at the end of the stream, when the time is up, or for bytes that are no message: more
-/// than 8 MiB of header or 1 GiB of bytes, no JSON.
+/// The next message; nothing at the end of the stream, when the time is up, or for bytes that are no message:
+/// more than 8 MiB of header or 1 GiB of bytes, no JSON.
 std::optional<Message> receive(int pipe, std::optional<std::chrono::steady_clock::time_point> deadline = {});
 
 }  // namespace quincunx::grade

@@ -68,7 +68,8 @@ void Worker::start() {
     for (std::string& word : words_)
         pointers.push_back(word.data());
     pointers.push_back(nullptr);
-    const int error = posix_spawn(&process_, words_.front().c_str(), &actions, &attributes, pointers.data(), environ);
+    const int error =
+        posix_spawn(&process_, words_.front().c_str(), &actions, &attributes, pointers.data(), environ);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     close(in[0]);
@@ -86,9 +87,11 @@ void Worker::start() {
     quincunx::grade::send(to_, {"begin", header, {}});
     // Libraries are loaded once, before any submission's time begins.
     constexpr auto patience = std::chrono::minutes(5);
-    if (const auto ready = receive(from_, std::chrono::steady_clock::now() + patience); !ready || ready->kind != "ready") {
+    if (const auto ready = receive(from_, std::chrono::steady_clock::now() + patience);
+        !ready || ready->kind != "ready") {
         stop();
-        throw EnvironmentError("the processes for submissions do not start", words_.front(), "see whether compare works");
+        throw EnvironmentError("the processes for submissions do not start", words_.front(),
+                               "see whether compare works");
     }
 }
 
@@ -107,7 +110,8 @@ void Worker::stop() {
 void Worker::begin(const Message& job, std::chrono::seconds most) {
     if (process_ < 0)
         start();
-    // Processor time is what is limited, so that a busy machine gives the same grades; this is for what sleeps.
+    // Processor time is what is limited, so that a busy machine gives the same grades; this is for what
+    // sleeps.
     most_ = 10 * most + std::chrono::seconds(30);
     deadline_ = std::chrono::steady_clock::now() + most_;
     busy_ = true;
@@ -121,7 +125,8 @@ void Worker::send(const Message& message) {
 Message Worker::ended() {
     Message message{"failed", Json::object(), {}};
     if (std::chrono::steady_clock::now() >= deadline_) {
-        message.header["reason"] = fmt::format("its process was ended: it did not come to an end in {} s", most_.count());
+        message.header["reason"] =
+            fmt::format("its process was ended: it did not come to an end in {} s", most_.count());
         stop();
         return message;
     }
@@ -131,7 +136,8 @@ Message Worker::ended() {
     pid_t gone = 0;
     while ((gone = waitpid(process_, &status, WNOHANG)) == 0 && std::chrono::steady_clock::now() < end)
         usleep(1000);
-    message.header["reason"] = gone > 0 ? causeOf(status, limits_.cpuSeconds) : "its process said what makes no sense";
+    message.header["reason"] =
+        gone > 0 ? causeOf(status, limits_.cpuSeconds) : "its process said what makes no sense";
     if (gone > 0) {
         kill(-process_, SIGKILL);
         close(to_);

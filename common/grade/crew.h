@@ -13,8 +13,8 @@
 
 namespace quincunx::grade {
 
-/// The other side of runWorker: a process of the same program that does one job at a time, and is started afresh
-/// when one has cost its life.
+/// The other side of runWorker: a process of the same program that does one job at a time, and is started
+/// afresh when one has cost its life.
 class Worker {
   public:
     /// `words`: the program and what makes it call runWorker.
@@ -26,8 +26,8 @@ class Worker {
     /// Begins a job that may take these seconds of processor time. EnvironmentError if no process starts.
     void begin(const Message& job, std::chrono::seconds most);
     void send(const Message& message);
-    /// The job's next message; "failed" {reason} if its process was killed, ran out of time or said nonsense: then
-    /// the job is over.
+    /// The job's next message; "failed" {reason} if its process was killed, ran out of time or said nonsense:
+    /// then the job is over.
     Message next();
     /// Waits for the job's end.
     void finish();

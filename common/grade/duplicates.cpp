@@ -48,7 +48,8 @@ std::vector<std::string> wordsOf(std::string_view text) {
     return words;
 }
 
-std::set<std::uint32_t> shinglesOf(std::string_view text, const std::set<std::string, std::less<>>& ownNames) {
+std::set<std::uint32_t> shinglesOf(std::string_view text,
+                                   const std::set<std::string, std::less<>>& ownNames) {
     std::vector<std::string> words = wordsOf(text);
     for (std::string& word : words)
         if (ownNames.contains(word))
@@ -66,8 +67,9 @@ std::set<std::uint32_t> shinglesOf(std::string_view text, const std::set<std::st
 
 /// Names declared in the text: words after a type.
 std::set<std::string, std::less<>> declaredIn(std::string_view text) {
-    static const std::set<std::string, std::less<>> types = {"float", "int",  "uint", "bool", "vec2", "vec3", "vec4",
-                                                "mat2",  "mat3", "mat4", "ivec2", "ivec3", "ivec4"};
+    static const std::set<std::string, std::less<>> types = {"float", "int",   "uint", "bool", "vec2",
+                                                             "vec3",  "vec4",  "mat2", "mat3", "mat4",
+                                                             "ivec2", "ivec3", "ivec4"};
     std::set<std::string, std::less<>> names;
     const std::vector<std::string> words = wordsOf(text);
     for (std::size_t i = 0; i + 1 < words.size(); ++i)
@@ -79,7 +81,8 @@ std::set<std::string, std::less<>> declaredIn(std::string_view text) {
 std::vector<std::uint32_t> numbersOf(const std::string& text) {
     std::vector<std::uint32_t> numbers;
     for (std::size_t i = 0; i + digits <= text.size(); i += digits)
-        numbers.push_back(static_cast<std::uint32_t>(std::strtoul(text.substr(i, digits).c_str(), nullptr, 16)));
+        numbers.push_back(
+            static_cast<std::uint32_t>(std::strtoul(text.substr(i, digits).c_str(), nullptr, 16)));
     return numbers;
 }
 
@@ -110,10 +113,12 @@ void findAlikeScreenshots(const std::vector<Record>& records, std::vector<Pair>&
             if (difference.strength > static_cast<double>(difference.values.size()))
                 differences.push_back(std::move(difference));
         }
-    std::sort(differences.begin(), differences.end(), [](const Difference& a, const Difference& b) { return a.strength < b.strength; });
+    std::sort(differences.begin(), differences.end(),
+              [](const Difference& a, const Difference& b) { return a.strength < b.strength; });
     constexpr double alike = 0.01;  // of what differs from the reference, squared
     for (std::size_t i = 0; i < differences.size(); ++i)
-        for (std::size_t j = i + 1; j < differences.size() && differences[j].strength < 1.25 * differences[i].strength; ++j) {
+        for (std::size_t j = i + 1;
+             j < differences.size() && differences[j].strength < 1.25 * differences[i].strength; ++j) {
             if (differences[i].values.size() != differences[j].values.size() || pairs.size() >= mostPairs)
                 continue;
             double apart = 0;
@@ -122,7 +127,8 @@ void findAlikeScreenshots(const std::vector<Record>& records, std::vector<Pair>&
                 apart += d * d;
             }
             if (apart < alike * differences[i].strength)
-                pairs.push_back({std::min(differences[i].record, differences[j].record), std::max(differences[i].record, differences[j].record),
+                pairs.push_back({std::min(differences[i].record, differences[j].record),
+                                 std::max(differences[i].record, differences[j].record),
                                  "their screenshots differ from the reference in the same way"});
         }
 }
@@ -145,10 +151,15 @@ void findAlikeShaders(const std::vector<Record>& records, std::vector<Pair>& pai
     for (const auto& [pair, uncommon] : shared) {
         const auto& [a, b] = pair;
         std::vector<std::uint32_t> both;
-        std::set_intersection(shingles[a].begin(), shingles[a].end(), shingles[b].begin(), shingles[b].end(), std::back_inserter(both));
+        std::set_intersection(shingles[a].begin(), shingles[a].end(), shingles[b].begin(), shingles[b].end(),
+                              std::back_inserter(both));
         const std::size_t all = shingles[a].size() + shingles[b].size() - both.size();
         if (both.size() >= leastShared && 10 * both.size() >= 8 * all && pairs.size() < mostPairs)
-            pairs.push_back({a, b, fmt::format("their shaders share {} of {} pieces that are neither the handout's nor the solution's", both.size(), all)});
+            pairs.push_back(
+                {a, b,
+                 fmt::format(
+                     "their shaders share {} of {} pieces that are neither the handout's nor the solution's",
+                     both.size(), all)});
     }
 }
 

@@ -15,13 +15,13 @@ struct Pair {
     std::string text;  ///< in which way
 };
 
-/// A shader's text as what it says: words and signs with comments, spaces and the names that it makes up itself
-/// left out, each five that follow each other as a number, sorted, in hexadecimal. Those that `known` (the
-/// handout and the solution) has as well are left out.
+/// A shader's text as what it says: words and signs with comments, spaces and the names that it makes up
+/// itself left out, each five that follow each other as a number, sorted, in hexadecimal. Those that `known`
+/// (the handout and the solution) has as well are left out.
 std::string shaderTokens(std::string_view shader, const std::vector<std::string_view>& known);
 
-/// Pairs of records of different students: screenshots that are wrong in the same way (those that are right are
-/// all alike), shaders that share eight tenths of what is their own.
+/// Pairs of records of different students: screenshots that are wrong in the same way (those that are right
+/// are all alike), shaders that share eight tenths of what is their own.
 std::vector<Pair> findPairs(const std::vector<Record>& records);
 
 }  // namespace quincunx::grade

@@ -40,13 +40,15 @@ std::optional<std::size_t> numberIn(const char* variable) {
     const std::string_view digits(text);
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
     if (error != std::errc() || end != digits.data() + digits.size())
-        throw InputError(fmt::format("\"{}\" is no number", printable(digits, 40)), variable, "unset it, or let the batch system set it");
+        throw InputError(fmt::format("\"{}\" is no number", printable(digits, 40)), variable,
+                         "unset it, or let the batch system set it");
     return number;
 }
 
 std::optional<Shard> shardOf(std::size_t index, std::optional<std::size_t> count, const char* where) {
     if (!count || *count == 0 || index >= *count)
-        throw InputError(fmt::format("shard {} of {}", index, count.value_or(0)), where, "say how many shards there are");
+        throw InputError(fmt::format("shard {} of {}", index, count.value_or(0)), where,
+                         "say how many shards there are");
     if (*count == 1)
         return {};
     return Shard{index, *count};
@@ -64,7 +66,8 @@ std::string fingerprintOf(const Submission& submission, const std::string& rubri
     return digest(text);
 }
 
-Json classJson(const std::string& lab, const std::string& topic, const Rubric& rubric, const std::vector<Submission>& submissions) {
+Json classJson(const std::string& lab, const std::string& topic, const Rubric& rubric,
+               const std::vector<Submission>& submissions) {
     Json list = Json::array();
     for (const Submission& submission : submissions)
         list.push_back({{"key", submission.key()}, {"student", submission.student}});
@@ -87,7 +90,8 @@ fs::path unpackedClass(const fs::path& file, const fs::path& out) {
     for (const std::string& fault : unpacked.faults)
         say(fmt::format("warning: {}: {}", printable(file.string()), printable(fault)));
     if (unpacked.files.empty())
-        throw InputError("no submission in it", printable(file.string()), "name a folder or a ZIP of submissions");
+        throw InputError("no submission in it", printable(file.string()),
+                         "name a folder or a ZIP of submissions");
     return folder;
 }
 
@@ -157,10 +161,12 @@ class Grader {
     }
 
     static std::string reasonOf(const Message& message) {
-        return message.header.contains("reason") ? printable(message.header["reason"].get<std::string>(), 300) : "nonsense";
+        return message.header.contains("reason") ? printable(message.header["reason"].get<std::string>(), 300)
+                                                 : "nonsense";
     }
 
-    void screenshot(const Json& picture, const std::vector<std::string>& remarks, Record& record, Worker& worker) {
+    void screenshot(const Json& picture, const std::vector<std::string>& remarks, Record& record,
+                    Worker& worker) {
         Part part;
         part.kind = "screenshot";
         part.file = picture.at("name").get<std::string>();
@@ -172,7 +178,11 @@ class Grader {
         for (const std::string& remark : references.remarks)
             part.remarks.push_back(remark);
         const Reference& reference = *references.pictures;
-        Message message{"reference", {{"width", reference.picture.width}, {"height", reference.picture.height}, {"without", Json::array()}}, {}};
+        Message message{"reference",
+                        {{"width", reference.picture.width},
+                         {"height", reference.picture.height},
+                         {"without", Json::array()}},
+                        {}};
         const auto append = [&](const Image8& image) {
             message.blob.append(reinterpret_cast<const char*>(image.data.data()), image.data.size());
         };
@@ -184,7 +194,8 @@ class Grader {
         worker.send(message);
         const Message scored = next(worker);
         if (scored.kind != "scored") {
-            record.faults.push_back(fmt::format("{}: could not be graded: {}", printable(part.file, 120), reasonOf(scored)));
+            record.faults.push_back(
+                fmt::format("{}: could not be graded: {}", printable(part.file, 120), reasonOf(scored)));
             return;
         }
         fill(part, scored.header);
@@ -211,7 +222,8 @@ class Grader {
                 writePictures(part, record.key, scored);
         } else {
             for (const Property& property : rubric_.shaderProperties)
-                part.lines.push_back({property.name, 0, 0, property.points, "the shader did not come to an end"});
+                part.lines.push_back(
+                    {property.name, 0, 0, property.points, "the shader did not come to an end"});
             part.limits.emplace_back(0.0, fmt::format("{}: {}", printable(name, 120), reasonOf(scored)));
         }
         worker.finish();
@@ -251,7 +263,8 @@ class Grader {
         const int longest = std::max(picture.width, picture.height);
         const bool large = longest > reportSide;
         writeImage(options_.out / "pictures" / name,
-                   large ? resized(picture, std::max(1, picture.width * reportSide / longest), std::max(1, picture.height * reportSide / longest))
+                   large ? resized(picture, std::max(1, picture.width * reportSide / longest),
+                                   std::max(1, picture.height * reportSide / longest))
                          : picture);
     }
 
@@ -284,9 +297,11 @@ std::size_t faultyAmong(const std::vector<Record>& records) {
 }
 
 Summary summaryOf(const std::vector<Record>& records, const fs::path& out) {
-    Summary summary{.out = out, .submissions = records.size(), .faulty = faultyAmong(records), .points = pointsOfAll};
+    Summary summary{
+        .out = out, .submissions = records.size(), .faulty = faultyAmong(records), .points = pointsOfAll};
     for (const Record& record : records)
-        summary.mean += record.points(pointsOfAll) / static_cast<double>(std::max<std::size_t>(records.size(), 1));
+        summary.mean +=
+            record.points(pointsOfAll) / static_cast<double>(std::max<std::size_t>(records.size(), 1));
     return summary;
 }
 
@@ -296,12 +311,14 @@ std::optional<Shard> shardFromEnvironment() {
     if (const auto task = numberIn("SLURM_ARRAY_TASK_ID")) {
         const std::size_t first = numberIn("SLURM_ARRAY_TASK_MIN").value_or(0);
         const std::size_t step = std::max<std::size_t>(numberIn("SLURM_ARRAY_TASK_STEP").value_or(1), 1);
-        return shardOf(*task < first ? *task : (*task - first) / step, numberIn("SLURM_ARRAY_TASK_COUNT"), "SLURM_ARRAY_TASK_COUNT");
+        return shardOf(*task < first ? *task : (*task - first) / step, numberIn("SLURM_ARRAY_TASK_COUNT"),
+                       "SLURM_ARRAY_TASK_COUNT");
     }
     if (const auto index = numberIn("JOB_COMPLETION_INDEX"))
         return shardOf(*index, numberIn("QUINCUNX_SHARDS"), "QUINCUNX_SHARDS");
     if (const auto index = numberIn("CI_NODE_INDEX"))
-        return shardOf(*index == 0 ? std::size_t{1} << 40 : *index - 1, numberIn("CI_NODE_TOTAL"), "CI_NODE_TOTAL");
+        return shardOf(*index == 0 ? std::size_t{1} << 40 : *index - 1, numberIn("CI_NODE_TOTAL"),
+                       "CI_NODE_TOTAL");
     return {};
 }
 
@@ -309,15 +326,19 @@ Summary gradeClass(const LabEntry& entry, const Options& given) {
     Options options = given;
     const std::unique_ptr<Lab> lab = entry.make();
     const Exercise exercise = lab->exercise();
-    const Rubric rubric = options.rubric.empty() ? defaultRubric(entry, *lab) : readRubric(options.rubric, entry, *lab);
+    const Rubric rubric =
+        options.rubric.empty() ? defaultRubric(entry, *lab) : readRubric(options.rubric, entry, *lab);
     const std::string rubricText = rubric.text();
     requireFolder(options.out / "journal");
     requireFolder(options.out / "pictures");
     const std::vector<Submission> all =
-        takeIn(isClassArchive(options.submissions) ? unpackedClass(options.submissions, options.out) : options.submissions);
+        takeIn(isClassArchive(options.submissions) ? unpackedClass(options.submissions, options.out)
+                                                   : options.submissions);
     if (all.empty())
-        throw InputError("no submission in it", printable(options.submissions.string()), "name a folder of submissions");
-    writeFile(options.out / "journal" / "class.json", dump(classJson(entry.folder(), lab->topic(), rubric, all)));
+        throw InputError("no submission in it", printable(options.submissions.string()),
+                         "name a folder of submissions");
+    writeFile(options.out / "journal" / "class.json",
+              dump(classJson(entry.folder(), lab->topic(), rubric, all)));
 
     const Shard shard = options.shard.value_or(Shard{});
     std::vector<const Submission*> mine;
@@ -368,8 +389,9 @@ Summary gradeClass(const LabEntry& entry, const Options& given) {
             changed.notify_all();
         }
     };
-    const std::size_t jobs = std::min<std::size_t>(todo.size(), options.jobs > 0 ? static_cast<std::size_t>(options.jobs)
-                                                                                 : std::max(1u, std::thread::hardware_concurrency()));
+    const std::size_t jobs = std::min<std::size_t>(
+        todo.size(), options.jobs > 0 ? static_cast<std::size_t>(options.jobs)
+                                      : std::max(1u, std::thread::hardware_concurrency()));
     {
         std::vector<std::jthread> threads;
         for (std::size_t i = 0; i < jobs; ++i)
@@ -406,7 +428,8 @@ Summary mergeShards(std::span<const fs::path> folders, const fs::path& out, bool
     const std::string text = classOf(folders.front());
     for (const fs::path& folder : folders)
         if (classOf(folder) != text)
-            throw InputError("is of another class or rubric", printable(folder.string()), "merge shards of one call");
+            throw InputError("is of another class or rubric", printable(folder.string()),
+                             "merge shards of one call");
     requireFolder(out / "journal");
     requireFolder(out / "pictures");
     const Json json = Json::parse(text, nullptr, false);
@@ -432,12 +455,14 @@ Summary mergeShards(std::span<const fs::path> folders, const fs::path& out, bool
                 for (const Part& part : record.parts)
                     for (const std::string& picture : {part.reference, part.submitted, part.errors})
                         if (!picture.empty())
-                            writeFile(out / "pictures" / picture, readFile(*found / "pictures" / picture, maxJournalBytes));
+                            writeFile(out / "pictures" / picture,
+                                      readFile(*found / "pictures" / picture, maxJournalBytes));
             }
             graded.records.push_back(std::move(record));
         }
     } catch (const Json::exception& e) {
-        throw InputError(printable(e.what(), 100), (folders.front() / "journal" / "class.json").string(), "grade again");
+        throw InputError(printable(e.what(), 100), (folders.front() / "journal" / "class.json").string(),
+                         "grade again");
     }
     if (!missing.empty())
         throw InputError(fmt::format("{} of {} submissions are not graded, {} the first", missing.size(),

@@ -21,8 +21,8 @@
 ///     index.html, students/    the report
 ///     lms/                     canvas.csv, moodle.csv, gradescope/ID/results.json: with names
 ///     grades.json              the same for programs
-///     journal/                 a record a submission, written when it is done: what a later call goes on from
-///     pictures/                what the report shows
+///     journal/                 a record a submission, written when it is done: what a later call goes on
+///     from pictures/                what the report shows
 namespace quincunx::grade {
 
 /// A part of a class: submissions whose place in the sorted class is `index` modulo `count`.
@@ -31,21 +31,21 @@ struct Shard {
     std::size_t count = 1;
 };
 
-/// From the variables that batch systems set: SLURM_ARRAY_TASK_ID with SLURM_ARRAY_TASK_MIN, _STEP and _COUNT;
-/// JOB_COMPLETION_INDEX with QUINCUNX_SHARDS (Kubernetes says no count); CI_NODE_INDEX (from 1) and CI_NODE_TOTAL.
-/// Nothing if none is set, or if there is one shard only. InputError if they make no sense.
+/// From the variables that batch systems set: SLURM_ARRAY_TASK_ID with SLURM_ARRAY_TASK_MIN, _STEP and
+/// _COUNT; JOB_COMPLETION_INDEX with QUINCUNX_SHARDS (Kubernetes says no count); CI_NODE_INDEX (from 1) and
+/// CI_NODE_TOTAL. Nothing if none is set, or if there is one shard only. InputError if they make no sense.
 std::optional<Shard> shardFromEnvironment();
 
 struct Options {
     std::filesystem::path submissions;
-    std::filesystem::path rubric;         ///< empty: the lab's default
+    std::filesystem::path rubric;  ///< empty: the lab's default
     std::filesystem::path out = "out/grade";
-    int jobs = 0;                         ///< processes at a time; 0: as many as there are processors
+    int jobs = 0;  ///< processes at a time; 0: as many as there are processors
     gl::Backend backend = gl::Backend::automatic;
-    bool anonymous = false;               ///< names in lms/ and journal/ only
+    bool anonymous = false;  ///< names in lms/ and journal/ only
     std::optional<Shard> shard;
-    int secondsEach = 60;                 ///< of processor time that a submission may take
-    std::vector<std::string> worker;      ///< words that call runWorker; empty: this program and `grade-worker`
+    int secondsEach = 60;             ///< of processor time that a submission may take
+    std::vector<std::string> worker;  ///< words that call runWorker; empty: this program and `grade-worker`
 };
 
 struct Summary {
@@ -55,14 +55,14 @@ struct Summary {
     std::size_t faulty = 0;       ///< with something that was refused or broken
     double points = 0;            ///< that there are
     double mean = 0;
-    bool merged = true;           ///< false: a shard; the outputs wait for `merge`
+    bool merged = true;  ///< false: a shard; the outputs wait for `merge`
 };
 
 /// Grades what is handed in. Killed and called again, it goes on; the outputs have the same bytes.
 Summary gradeClass(const LabEntry& entry, const Options& options);
 
-/// Outputs from the journals of shards, in one folder or several. InputError naming what is missing: a shard that
-/// has not finished, journals of different classes or rubrics.
+/// Outputs from the journals of shards, in one folder or several. InputError naming what is missing: a shard
+/// that has not finished, journals of different classes or rubrics.
 Summary mergeShards(std::span<const std::filesystem::path> folders, const std::filesystem::path& out,
                     bool anonymous);
 

@@ -67,7 +67,8 @@ Handout handoutOf(std::string_view solution, std::string_view name) {
 }
 
 std::string solutionOf(const Exercise& exercise) {
-    return exercise.shader.empty() ? std::string() : readFile(asset("shaders/" + exercise.shader), maxShaderBytes);
+    return exercise.shader.empty() ? std::string()
+                                   : readFile(asset("shaders/" + exercise.shader), maxShaderBytes);
 }
 
 }  // namespace quincunx::grade

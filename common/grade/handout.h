@@ -16,8 +16,8 @@ namespace quincunx::grade {
 ///     // end of task
 ///
 /// The handout has the words of the task as a comment, and what stands after `instead:` (any number of such
-/// lines, before or after the solution's own) in place of the other lines. Text without such marks is returned as
-/// it is. InputError naming the line for a mark without its end.
+/// lines, before or after the solution's own) in place of the other lines. Text without such marks is
+/// returned as it is. InputError naming the line for a mark without its end.
 struct Handout {
     std::string text;
     std::vector<std::string> tasks;  ///< their words

@@ -21,7 +21,8 @@ constexpr std::array<std::string_view, 4> platformNames = {"", "canvas", "moodle
 
 /// Files that systems and editors leave everywhere.
 bool isLitter(const std::string& name) {
-    return name.empty() || name.front() == '.' || name == "__MACOSX" || name == "Thumbs.db" || name == "desktop.ini";
+    return name.empty() || name.front() == '.' || name == "__MACOSX" || name == "Thumbs.db" ||
+           name == "desktop.ini";
 }
 
 /// Whose file or folder this is, by its name.
@@ -35,8 +36,8 @@ bool isNumber(std::string_view text) {
            std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// "doejane_LATE_4711_815_shadow.png": parts between '_', read with no regular expression, since names are any
-/// bytes of any length.
+/// "doejane_LATE_4711_815_shadow.png": parts between '_', read with no regular expression, since names are
+/// any bytes of any length.
 std::optional<Owner> canvasOwner(const std::string& name) {
     std::vector<std::size_t> bars;
     for (std::size_t i = 0; i < name.size() && bars.size() < 8; ++i)
@@ -67,7 +68,8 @@ std::optional<Owner> moodleOwner(const std::string& name) {
     if (mark == std::string::npos || mark == 0)
         return {};
     const std::size_t bar = name.rfind('_', mark - 1);
-    if (bar == std::string::npos || bar == 0 || !isNumber(std::string_view(name).substr(bar + 1, mark - bar - 1)))
+    if (bar == std::string::npos || bar == 0 ||
+        !isNumber(std::string_view(name).substr(bar + 1, mark - bar - 1)))
         return {};
     Owner owner;
     owner.submission.student = name.substr(0, bar);
@@ -125,9 +127,11 @@ std::map<std::string, std::string> gradescopeNames(const fs::path& folder) {
             line.remove_suffix(1);
         if (line.starts_with("submission_") && line.ends_with(':')) {
             current = line.substr(0, line.size() - 1);
-        } else if (const std::size_t mark = line.find(":name: "); mark != std::string_view::npos && !current.empty()) {
+        } else if (const std::size_t mark = line.find(":name: ");
+                   mark != std::string_view::npos && !current.empty()) {
             std::string_view name = line.substr(mark + 7);
-            if (name.size() >= 2 && (name.front() == '\'' || name.front() == '"') && name.back() == name.front())
+            if (name.size() >= 2 && (name.front() == '\'' || name.front() == '"') &&
+                name.back() == name.front())
                 name = name.substr(1, name.size() - 2);
             std::string& known = names[current];
             known += (known.empty() ? "" : ", ") + std::string(name);
@@ -145,13 +149,15 @@ std::vector<fs::path> sortedEntries(const fs::path& folder, std::size_t most, bo
         }
         entries.push_back(entry.path());
     }
-    std::sort(entries.begin(), entries.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
+    std::sort(entries.begin(), entries.end(),
+              [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
     return entries;
 }
 
 class FolderReader {
   public:
-    FolderReader(Submission& submission, const IntakeLimits& limits) : submission_(submission), limits_(limits) {}
+    FolderReader(Submission& submission, const IntakeLimits& limits)
+        : submission_(submission), limits_(limits) {}
 
     void addFile(const fs::path& file, const std::string& name) {
         std::error_code error;
@@ -202,7 +208,8 @@ class FolderReader {
     void fault(const std::string& name, const std::string& what) {
         constexpr std::size_t most = 50;
         if (submission_.faults.size() < most)
-            submission_.faults.push_back(fmt::format("{}: {}", name.empty() ? "folder" : printable(name, 120), what));
+            submission_.faults.push_back(
+                fmt::format("{}: {}", name.empty() ? "folder" : printable(name, 120), what));
     }
 
     Submission& submission_;
@@ -243,7 +250,8 @@ std::vector<Submission> takeIn(const fs::path& place, const IntakeLimits& limits
         return result;
     }
     if (!fs::is_directory(status))
-        throw InputError("is neither file nor folder", printable(place.string()), "name a folder of submissions");
+        throw InputError("is neither file nor folder", printable(place.string()),
+                         "name a folder of submissions");
     bool tooMany = false;
     std::vector<fs::path> entries;
     std::map<std::string, std::string> names;
@@ -278,8 +286,8 @@ std::vector<Submission> takeIn(const fs::path& place, const IntakeLimits& limits
     // The names that Gradescope has apart are put in last: what is filed stays under its number.
     std::sort(result.begin(), result.end(), ordered);
     if (tooMany || result.size() > limits.submissions)
-        throw InputError(fmt::format("more than {} submissions", limits.submissions), printable(place.string()),
-                         "grade parts of the folder");
+        throw InputError(fmt::format("more than {} submissions", limits.submissions),
+                         printable(place.string()), "grade parts of the folder");
     for (Submission& submission : result)
         if (const auto found = names.find(submission.student); found != names.end())
             submission.student = found->second;

@@ -36,15 +36,15 @@ struct IntakeLimits {
     int depth = 8;            ///< folders in folders
 };
 
-/// All submissions, sorted by name, then number. `place` is a folder, where each file or folder is a submission
-/// but for the files of Canvas and Moodle that belong together; or one file. Names that are known:
+/// All submissions, sorted by name, then number. `place` is a folder, where each file or folder is a
+/// submission but for the files of Canvas and Moodle that belong together; or one file. Names that are known:
 ///
 ///     Canvas       doejane_LATE_4711_815_shadow.png       one student's files have the same number
 ///     Moodle       Jane Doe_4711_assignsubmission_file_/  or files whose names begin so
 ///     Gradescope   submission_4711/                       names from submission_metadata.yml beside
 ///
-/// Links and devices are refused, each with a fault; so is what exceeds a limit. Hidden files, __MACOSX and the
-/// like are passed over. InputError if the place cannot be read.
+/// Links and devices are refused, each with a fault; so is what exceeds a limit. Hidden files, __MACOSX and
+/// the like are passed over. InputError if the place cannot be read.
 std::vector<Submission> takeIn(const std::filesystem::path& place, const IntakeLimits& limits = {});
 
 /// 64 bits of FNV-1a as 16 hexadecimal digits: for names of files, not against forgers.

@@ -44,8 +44,9 @@ std::string gradesCsv(const Class& graded, const std::vector<std::string>& names
                     return pointsText(pointsOfAll * part.share());
             return std::string();
         };
-        text += row({names[i], anonymous ? "" : record.id, record.late ? "late" : "", pointsText(record.points(pointsOfAll)),
-                     pointsText(pointsOfAll), partText("screenshot"), partText("shader"), joined(record.reasons())});
+        text += row({names[i], anonymous ? "" : record.id, record.late ? "late" : "",
+                     pointsText(record.points(pointsOfAll)), pointsText(pointsOfAll), partText("screenshot"),
+                     partText("shader"), joined(record.reasons())});
     }
     return text;
 }
@@ -54,15 +55,17 @@ std::string canvasCsv(const Class& graded) {
     std::string text = row({"Student", "ID", "SIS User ID", "SIS Login ID", "Section", graded.rubric.title});
     text += row({"    Points Possible", "", "", "", "", pointsText(pointsOfAll)});
     for (const Record& record : graded.records)
-        text += row({record.student, record.platform == Platform::canvas ? record.id : "", "", "", "", pointsText(record.points(pointsOfAll))});
+        text += row({record.student, record.platform == Platform::canvas ? record.id : "", "", "", "",
+                     pointsText(record.points(pointsOfAll))});
     return text;
 }
 
 std::string moodleCsv(const Class& graded) {
     std::string text = row({"Identifier", "Full name", "Grade", "Maximum Grade", "Feedback comments"});
     for (const Record& record : graded.records)
-        text += row({record.platform == Platform::moodle ? "Participant " + record.id : "", record.student,
-                     pointsText(record.points(pointsOfAll)), pointsText(pointsOfAll), joined(record.reasons())});
+        text +=
+            row({record.platform == Platform::moodle ? "Participant " + record.id : "", record.student,
+                 pointsText(record.points(pointsOfAll)), pointsText(pointsOfAll), joined(record.reasons())});
     return text;
 }
 
@@ -70,7 +73,8 @@ std::string moodleCsv(const Class& graded) {
 Json gradescopeJson(const Record& record) {
     Json tests = Json::array();
     for (const Part& part : record.parts) {
-        const double scale = part.of() > 0 ? pointsOfAll / part.of() / static_cast<double>(record.parts.size()) : 0;
+        const double scale =
+            part.of() > 0 ? pointsOfAll / part.of() / static_cast<double>(record.parts.size()) : 0;
         for (const Line& line : part.lines)
             tests.push_back({{"name", part.kind + ": " + line.name},
                              {"score", scale * line.points},
@@ -106,7 +110,8 @@ std::string csvField(std::string_view text) {
         field += static_cast<unsigned char>(c) < 0x20 || c == '\x7F' ? ' ' : c;
     // Spreadsheets take these for the beginning of a formula, also after spaces.
     const std::size_t first = field.find_first_not_of(' ');
-    const bool isFormula = first != std::string::npos && std::string_view("=+-@|%").find(field[first]) != std::string_view::npos;
+    const bool isFormula =
+        first != std::string::npos && std::string_view("=+-@|%").find(field[first]) != std::string_view::npos;
     if (isFormula)
         field = "'" + field;
     std::string quoted = "\"";
@@ -143,7 +148,9 @@ void writeOutputs(const Class& graded, const fs::path& out, bool anonymous) {
     Json alike = Json::array();
     for (const Pair& pair : pairs)
         alike.push_back({{"students", {names[pair.first], names[pair.second]}}, {"how", pair.text}});
-    writeFile(out / "grades.json", dump({{"lab", graded.lab}, {"title", graded.rubric.title}, {"submissions", all}, {"alike", alike}}));
+    writeFile(
+        out / "grades.json",
+        dump({{"lab", graded.lab}, {"title", graded.rubric.title}, {"submissions", all}, {"alike", alike}}));
     writeReport(graded, names, pairs, out);
 }
 

@@ -43,7 +43,8 @@ std::vector<std::string> Record::reasons() const {
             result.push_back(reason);
         for (const Line& line : part.lines)
             if (!line.reason.empty())
-                result.push_back(fmt::format("{}: {:.1f} of {:.1f} points: {}", line.name, line.points, line.of, line.reason));
+                result.push_back(fmt::format("{}: {:.1f} of {:.1f} points: {}", line.name, line.points,
+                                             line.of, line.reason));
     }
     result.insert(result.end(), faults.begin(), faults.end());
     if (parts.empty())
@@ -56,7 +57,11 @@ Json toJson(const Record& record) {
     for (const Part& part : record.parts) {
         Json lines = Json::array();
         for (const Line& line : part.lines)
-            lines.push_back({{"name", line.name}, {"figure", line.figure}, {"points", line.points}, {"of", line.of}, {"reason", line.reason}});
+            lines.push_back({{"name", line.name},
+                             {"figure", line.figure},
+                             {"points", line.points},
+                             {"of", line.of},
+                             {"reason", line.reason}});
         Json limits = Json::array();
         for (const auto& [share, reason] : part.limits)
             limits.push_back({{"share", share}, {"reason", reason}});
@@ -107,7 +112,8 @@ Record parseRecord(const std::string& text, const std::string& where) {
                                       line.at("points").get<double>(), line.at("of").get<double>(),
                                       line.at("reason").get<std::string>()});
             for (const Json& limit : from.at("limits"))
-                part.limits.emplace_back(limit.at("share").get<double>(), limit.at("reason").get<std::string>());
+                part.limits.emplace_back(limit.at("share").get<double>(),
+                                         limit.at("reason").get<std::string>());
             part.remarks = from.at("remarks").get<std::vector<std::string>>();
             part.reference = from.at("reference").get<std::string>();
             part.submitted = from.at("submitted").get<std::string>();

@@ -24,7 +24,7 @@ struct Part {
     std::vector<Line> lines;
     std::vector<std::pair<double, std::string>> limits;  ///< share, reason
     std::vector<std::string> remarks;
-    std::string reference;           ///< names of pictures beside the report; empty: none
+    std::string reference;  ///< names of pictures beside the report; empty: none
     std::string submitted;
     std::string errors;
     bool exact = false;     ///< the very codes of the reference

@@ -113,12 +113,15 @@ ReferenceStore::Wanted ReferenceStore::wantedFor(const Claim& claim, std::vector
     }
     if (state) {
         if (!state->model.empty())
-            remarks.push_back("the picture was drawn from a model of the student's own; the task's scene is the lab's");
+            remarks.push_back(
+                "the picture was drawn from a model of the student's own; the task's scene is the lab's");
         const std::set<std::string> free(rubric_.freeKnobs.begin(), rubric_.freeKnobs.end());
         constexpr std::size_t mostTold = 8;
         for (const auto& [name, value] : state->knobs) {
             const auto& all = lab_->knobs().all();
-            const auto knob = std::find_if(all.begin(), all.end(), [&, &wantedName = name](const Knob* one) { return one->name() == wantedName; });
+            const auto knob = std::find_if(all.begin(), all.end(), [&, &wantedName = name](const Knob* one) {
+                return one->name() == wantedName;
+            });
             if (knob == all.end() || (*knob)->text() == value)
                 continue;
             if (!free.contains(name)) {
@@ -135,15 +138,16 @@ ReferenceStore::Wanted ReferenceStore::wantedFor(const Claim& claim, std::vector
         }
     }
     auto [width, height] = boundedSize(claim.width, claim.height);
-    if (state && isSize(state->frame.width, state->frame.height) && plausible(state->frame.width, claim.width) &&
-        plausible(state->frame.height, claim.height))
+    if (state && isSize(state->frame.width, state->frame.height) &&
+        plausible(state->frame.width, claim.width) && plausible(state->frame.height, claim.height))
         std::tie(width, height) = std::pair(state->frame.width, state->frame.height);
     else if (rubric_.size)
         std::tie(width, height) = *rubric_.size;
     wanted.knobs = lab_->knobs().values();
     wanted.frame = studio_->frame(*lab_, width, height);
-    if (state && rubric_.cameraIsFree && !(state->frame.camera.worldFromCamera == wanted.frame.camera.worldFromCamera &&
-                                           state->frame.camera.fovYRadians == wanted.frame.camera.fovYRadians)) {
+    if (state && rubric_.cameraIsFree &&
+        !(state->frame.camera.worldFromCamera == wanted.frame.camera.worldFromCamera &&
+          state->frame.camera.fovYRadians == wanted.frame.camera.fovYRadians)) {
         wanted.frame.camera = state->frame.camera;
         wanted.cameraClaimed = true;
     }
@@ -182,7 +186,8 @@ void ReferenceStore::useShader(const std::string& text) {
 std::vector<double> ReferenceStore::areasOf(const Wanted& wanted) {
     Wanted small = wanted;
     constexpr int side = 160;
-    const double scale = std::min(1.0, static_cast<double>(side) / std::max(small.frame.width, small.frame.height));
+    const double scale =
+        std::min(1.0, static_cast<double>(side) / std::max(small.frame.width, small.frame.height));
     small.frame.width = std::max(leastSide, static_cast<int>(small.frame.width * scale));
     small.frame.height = std::max(leastSide, static_cast<int>(small.frame.height * scale));
     const Reference reference = drawn(small);
@@ -232,7 +237,8 @@ References ReferenceStore::render(const Claim& claim) {
             hiding_[text] = hidesAnEffect(wanted);
         }
         if (hiding_[text]) {
-            result.remarks.emplace_back("the picture's camera hides what is to be seen; the task's camera is the reference's");
+            result.remarks.emplace_back(
+                "the picture's camera hides what is to be seen; the task's camera is the reference's");
             wanted.frame = studio_->frame(*lab_, wanted.frame.width, wanted.frame.height);
         }
     }

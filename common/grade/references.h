@@ -32,9 +32,9 @@ struct References {
     std::vector<std::string> remarks;  ///< where the record was not followed
 };
 
-/// Renders references, each once, on a thread of its own, which owns the context. What a record claims is followed
-/// only as far as the rubric leaves it free: knobs that it names itself stay as they are, models and times are
-/// not followed, sizes are bounded, and a camera that hides an effect is refused.
+/// Renders references, each once, on a thread of its own, which owns the context. What a record claims is
+/// followed only as far as the rubric leaves it free: knobs that it names itself stay as they are, models and
+/// times are not followed, sizes are bounded, and a camera that hides an effect is refused.
 class ReferenceStore {
   public:
     ReferenceStore(const LabEntry& entry, Rubric rubric, gl::Backend backend);

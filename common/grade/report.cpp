@@ -78,20 +78,26 @@ Json partView(const Part& part) {
               {"has_remarks", !part.remarks.empty()},
               {"pictures", Json::array()}};
     if (!part.submitted.empty())
-        view["pictures"].push_back({{"reference", part.reference}, {"submitted", part.submitted}, {"errors", part.errors}});
+        view["pictures"].push_back(
+            {{"reference", part.reference}, {"submitted", part.submitted}, {"errors", part.errors}});
     return view;
 }
 
-/// The script that gives the page's widget the pixels of a picture (web::pixelScript, from a PNG that is there).
+/// The script that gives the page's widget the pixels of a picture (web::pixelScript, from a PNG that is
+/// there).
 void writePixels(const fs::path& pictures, const std::string& name) {
     const std::string bytes = readFile(pictures / name, maxPictureBytes);
-    const std::string uri = web::dataUri("image/png", std::span(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
-    web::writeIfChanged(pictures / (name + ".js"), fmt::format("quincunxPixels({}, {});\n", Json("../pictures/" + name + ".js").dump(), Json(uri).dump()));
+    const std::string uri = web::dataUri(
+        "image/png", std::span(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
+    web::writeIfChanged(pictures / (name + ".js"),
+                        fmt::format("quincunxPixels({}, {});\n", Json("../pictures/" + name + ".js").dump(),
+                                    Json(uri).dump()));
 }
 
 }  // namespace
 
-void writeReport(const Class& graded, const std::vector<std::string>& names, const std::vector<Pair>& pairs, const fs::path& out) {
+void writeReport(const Class& graded, const std::vector<std::string>& names, const std::vector<Pair>& pairs,
+                 const fs::path& out) {
     constexpr std::array<std::string_view, 2> scripts = {"compare.js", "grade.js"};
     web::copyAssets(out / "assets", scripts);
     const std::vector<Record>& records = graded.records;
@@ -163,7 +169,8 @@ void writeReport(const Class& graded, const std::vector<std::string>& names, con
                          {"has_faults", !record.faults.empty()},
                          {"faults", record.faults},
                          {"alike", alike}});
-        web::writeIfChanged(out / "students" / (record.key + ".html"), web::filledTemplate("grade_student", page));
+        web::writeIfChanged(out / "students" / (record.key + ".html"),
+                            web::filledTemplate("grade_student", page));
     }
     for (const std::string& picture : pictures)
         writePixels(out / "pictures", picture);

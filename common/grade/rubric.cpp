@@ -19,28 +19,41 @@ constexpr std::uintmax_t maxRubricBytes = 1 << 20;
 constexpr std::size_t maxProperties = 64;
 constexpr std::array<std::string_view, 4> measureNames = {"flip", "ssim", "effect", "task"};
 
-/// Limits of the whole picture. Another driver's edges and JPEG at quality 75 cost 0.02 to 0.05 of ꟻLIP and up
-/// to 0.06 of SSIM; a picture of something else begins at 0.3 and below 0.5 (tests/bench/grading.cpp).
+/// Limits of the whole picture. Another driver's edges and JPEG at quality 75 cost 0.02 to 0.05 of ꟻLIP and
+/// up to 0.06 of SSIM; a picture of something else begins at 0.3 and below 0.5 (tests/bench/grading.cpp).
 Property flipProperty(double points) {
-    return {.name = "the picture as eyes compare it", .measure = Measure::flip, .without = {}, .points = points, .full = 0.06, .none = 0.3};
+    return {.name = "the picture as eyes compare it",
+            .measure = Measure::flip,
+            .without = {},
+            .points = points,
+            .full = 0.06,
+            .none = 0.3};
 }
 Property ssimProperty(double points) {
-    return {.name = "the picture's structure", .measure = Measure::ssim, .without = {}, .points = points, .full = 0.92, .none = 0.5};
+    return {.name = "the picture's structure",
+            .measure = Measure::ssim,
+            .without = {},
+            .points = points,
+            .full = 0.92,
+            .none = 0.5};
 }
 
 /// Limits of an effect: 1 is there as in the reference, 0 is missing altogether.
 constexpr double effectFull = 0.85;
 constexpr double effectNone = 0.25;
 
-/// Switches turned over and choices changed to their neighbour: what a lab without an exercise of its own has.
+/// Switches turned over and choices changed to their neighbour: what a lab without an exercise of its own
+/// has.
 std::vector<Exercise::Effect> generalEffects(const KnobSet& knobs) {
     std::vector<Exercise::Effect> effects;
     for (const Knob* knob : knobs.all()) {
         if (const auto* toggle = dynamic_cast<const BoolKnob*>(knob))
             effects.push_back({fmt::format("--{}", knob->name()), {{knob->name(), *toggle ? "off" : "on"}}});
         if (const auto* choice = dynamic_cast<const ChoiceKnob*>(knob)) {
-            const std::size_t next = (static_cast<std::size_t>(choice->index()) + 1) % choice->options().size();
-            effects.push_back({fmt::format("--{}={}", knob->name(), choice->text()), {{knob->name(), choice->options()[next]}}});
+            const std::size_t next =
+                (static_cast<std::size_t>(choice->index()) + 1) % choice->options().size();
+            effects.push_back({fmt::format("--{}={}", knob->name(), choice->text()),
+                               {{knob->name(), choice->options()[next]}}});
         }
     }
     return effects;
@@ -83,7 +96,8 @@ Json parse(const std::filesystem::path& file) {
     try {
         return jsonOf(toml::parse(text));
     } catch (const toml::parse_error& e) {
-        throw InputError(printable(e.description()), fmt::format("{}:{}", file.string(), e.source().begin.line),
+        throw InputError(printable(e.description()),
+                         fmt::format("{}:{}", file.string(), e.source().begin.line),
                          "write TOML, or JSON in a file *.json");
     }
 }
@@ -136,11 +150,13 @@ Property propertyOf(const Json& json, KnobSet& knobs) {
     const std::string measure = json.value("measure", "effect");
     const auto found = std::find(measureNames.begin(), measureNames.end(), measure);
     if (found == measureNames.end())
-        throw InputError(fmt::format("there is no measure \"{}\"", printable(measure, 40)), {}, "choose from flip, ssim, effect, task");
+        throw InputError(fmt::format("there is no measure \"{}\"", printable(measure, 40)), {},
+                         "choose from flip, ssim, effect, task");
     property.measure = static_cast<Measure>(found - measureNames.begin());
-    const Property usual = property.measure == Measure::flip   ? flipProperty(0)
-                           : property.measure == Measure::ssim ? ssimProperty(0)
-                                                               : Property{.name = {}, .without = {}, .full = effectFull, .none = effectNone};
+    const Property usual = property.measure == Measure::flip ? flipProperty(0)
+                           : property.measure == Measure::ssim
+                               ? ssimProperty(0)
+                               : Property{.name = {}, .without = {}, .full = effectFull, .none = effectNone};
     property.full = json.contains("full") ? numberOf(json, "full") : usual.full;
     property.none = json.contains("none") ? numberOf(json, "none") : usual.none;
     property.points = numberOf(json, "points");
@@ -151,18 +167,22 @@ Property propertyOf(const Json& json, KnobSet& knobs) {
         throw InputError(fmt::format("\"{}\": full is no better than none", printable(property.name, 60)), {},
                          lessIsBetter ? "full is the smaller one" : "full is the larger one");
     if (!(property.points > 0 && property.points <= 1e6))
-        throw InputError(fmt::format("\"{}\": {} points", printable(property.name, 60), property.points), {}, "give more than 0");
+        throw InputError(fmt::format("\"{}\": {} points", printable(property.name, 60), property.points), {},
+                         "give more than 0");
     if (property.measure == Measure::effect && property.without.empty())
-        throw InputError(fmt::format("\"{}\" does not say which knobs take the effect away", printable(property.name, 60)),
-                         {}, "give without = { KNOB = \"VALUE\" }");
+        throw InputError(
+            fmt::format("\"{}\" does not say which knobs take the effect away", printable(property.name, 60)),
+            {}, "give without = { KNOB = \"VALUE\" }");
     return property;
 }
 
 void change(Rubric& rubric, const Json& json, const LabEntry& entry, Lab& lab) {
-    requireFields(json, {"lab", "title", "size", "camera", "free", "knobs", "handling", "property", "shader_property"}, "a rubric");
+    requireFields(
+        json, {"lab", "title", "size", "camera", "free", "knobs", "handling", "property", "shader_property"},
+        "a rubric");
     if (json.contains("lab") && !entry.isCalled(json.at("lab").get<std::string>()))
-        throw InputError(fmt::format("is for the lab {}", printable(json.at("lab").get<std::string>(), 40)), {},
-                         "name it with --lab");
+        throw InputError(fmt::format("is for the lab {}", printable(json.at("lab").get<std::string>(), 40)),
+                         {}, "name it with --lab");
     rubric.title = json.value("title", rubric.title);
     if (json.contains("size")) {
         const auto size = json.at("size").get<std::pair<int, int>>();
@@ -192,9 +212,10 @@ void change(Rubric& rubric, const Json& json, const LabEntry& entry, Lab& lab) {
             const std::optional<Handling> handling = parseHandling(name);
             const double most = value.get<double>();
             if (!handling || !(most >= 0 && most <= 1))
-                throw InputError(fmt::format("handling: {} = {}", printable(name, 40), most), {},
-                                 "name blank, bordered, cropped, shifted, scaled, mirrored, swapped-channels or "
-                                 "gamma, and a share from 0 to 1");
+                throw InputError(
+                    fmt::format("handling: {} = {}", printable(name, 40), most), {},
+                    "name blank, bordered, cropped, shifted, scaled, mirrored, swapped-channels or "
+                    "gamma, and a share from 0 to 1");
             rubric.most[static_cast<std::size_t>(*handling)] = most;
         }
     const auto properties = [&](const char* field, std::vector<Property>& target) {
@@ -240,7 +261,8 @@ std::string Rubric::text() const {
     if (size)
         json["size"] = {size->first, size->second};
     for (int i = 0; i < handlingCount; ++i)
-        json["handling"][std::string(handlingName(static_cast<Handling>(i)))] = most[static_cast<std::size_t>(i)];
+        json["handling"][std::string(handlingName(static_cast<Handling>(i)))] =
+            most[static_cast<std::size_t>(i)];
     for (const auto* list : {&properties, &shaderProperties})
         for (const Property& property : *list)
             json[list == &properties ? "property" : "shader_property"].push_back(
@@ -273,9 +295,10 @@ Rubric defaultRubric(const LabEntry& entry, Lab& lab) {
                                      .none = effectNone});
     rubric.properties.push_back(flipProperty(effects.empty() ? 50 : pictureShare));
     rubric.properties.push_back(ssimProperty(effects.empty() ? 50 : pictureShare));
-    rubric.shaderProperties = {{.name = "the task", .measure = Measure::task, .without = {}, .points = 70, .full = 0.9, .none = 0.1},
-                               flipProperty(15),
-                               ssimProperty(15)};
+    rubric.shaderProperties = {
+        {.name = "the task", .measure = Measure::task, .without = {}, .points = 70, .full = 0.9, .none = 0.1},
+        flipProperty(15),
+        ssimProperty(15)};
     rubric.most.fill(1);
     const auto most = [&](Handling handling, double share) {
         rubric.most[static_cast<std::size_t>(handling)] = share;

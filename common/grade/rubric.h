@@ -21,8 +21,8 @@ enum class Measure {
     task     ///< the share of what a picture by the handout's shader lacks (scoring.h): more is better
 };
 
-/// Points for a property, by a measured figure: all of them from `full` on, none from `none` on, and a straight
-/// line between.
+/// Points for a property, by a measured figure: all of them from `full` on, none from `none` on, and a
+/// straight line between.
 struct Property {
     std::string name;
     Measure measure = Measure::effect;
@@ -58,8 +58,8 @@ struct Rubric {
     bool cameraIsFree = true;
     KnobValues knobs;
     std::vector<std::string> freeKnobs;
-    std::vector<Property> properties;        ///< of screenshots
-    std::vector<Property> shaderProperties;  ///< of shaders
+    std::vector<Property> properties;          ///< of screenshots
+    std::vector<Property> shaderProperties;    ///< of shaders
     std::array<double, handlingCount> most{};  ///< share of the points, by Handling
 
     double points() const;  ///< of all properties of a screenshot; those of a shader have as many
@@ -74,8 +74,8 @@ Rubric defaultRubric(const LabEntry& entry, Lab& lab);
 /// The inverse of Rubric::text.
 Rubric rubricFromText(const std::string& text, const LabEntry& entry, Lab& lab);
 
-/// The lab's default, changed by the file. InputError with file and place: no such knob, no measure of that name,
-/// limits that are equal, points that are not positive, unknown fields, another lab's rubric.
+/// The lab's default, changed by the file. InputError with file and place: no such knob, no measure of that
+/// name, limits that are equal, points that are not positive, unknown fields, another lab's rubric.
 Rubric readRubric(const std::filesystem::path& file, const LabEntry& entry, Lab& lab);
 
 }  // namespace quincunx::grade

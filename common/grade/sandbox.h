@@ -16,8 +16,8 @@ struct ProcessLimits {
 void limitProcess(const ProcessLimits& limits);
 
 /// From here on no thread of this process opens a file or a socket, starts a program or a process, or signals
-/// another: each such call fails with EPERM (seccomp; an allow list of what computing, threads and the pipes that
-/// are open need). EnvironmentError if the kernel has no such filter.
+/// another: each such call fails with EPERM (seccomp; an allow list of what computing, threads and the pipes
+/// that are open need). EnvironmentError if the kernel has no such filter.
 void closeSandbox();
 
 }  // namespace quincunx::grade

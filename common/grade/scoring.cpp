@@ -42,25 +42,29 @@ std::string placeOf(const Image& errors) {
         }
     if (!(sum > 0))
         return "nowhere";
-    const auto third = [](double place, int size) { return std::clamp(static_cast<int>(3 * place / size), 0, 2); };
-    constexpr std::array<const char*, 9> names = {"the upper left",  "the upper middle", "the upper right",
-                                                  "the left",        "the middle",       "the right",
+    const auto third = [](double place, int size) {
+        return std::clamp(static_cast<int>(3 * place / size), 0, 2);
+    };
+    constexpr std::array<const char*, 9> names = {"the upper left", "the upper middle", "the upper right",
+                                                  "the left",       "the middle",       "the right",
                                                   "the lower left", "the lower middle", "the lower right"};
     return names[static_cast<std::size_t>(3 * third(y / sum, errors.height) + third(x / sum, errors.width))];
 }
 
 std::string reasonFor(const Property& property, double figure, const Image& errors) {
     const auto limits = [&] {
-        return fmt::format("{:.3f}; {:.3f} has all points, {:.3f} none", figure, property.full, property.none);
+        return fmt::format("{:.3f}; {:.3f} has all points, {:.3f} none", figure, property.full,
+                           property.none);
     };
     switch (property.measure) {
         case Measure::flip:
-            return fmt::format("mean FLIP error {}; most of it is in {} of the picture", limits(), placeOf(errors));
+            return fmt::format("mean FLIP error {}; most of it is in {} of the picture", limits(),
+                               placeOf(errors));
         case Measure::ssim:
             return fmt::format("structural similarity {}", limits());
         case Measure::effect:
         case Measure::task:
-            return fmt::format("{}: share that is right {}", 
+            return fmt::format("{}: share that is right {}",
                                figure <= 0.1   ? "missing, or wrong where it should be"
                                : figure <= 0.5 ? "mostly missing or in the wrong place"
                                                : "not quite as it should be",
@@ -78,7 +82,9 @@ double similarity(const Image8& reference, const Image8& submitted, double flip)
     if (shorter < window)
         return 1 - flip;
     const int factor = std::max(1, (shorter + judged / 2) / judged);
-    const auto reduced = [factor](const Image8& image) { return resized(image, image.width / factor, image.height / factor); };
+    const auto reduced = [factor](const Image8& image) {
+        return resized(image, image.width / factor, image.height / factor);
+    };
     return ssim(reduced(reference), reduced(submitted));
 }
 
@@ -179,7 +185,8 @@ Result scoreScreenshot(const Reference& reference, const Image8& submitted, cons
     return result;
 }
 
-Result scoreDrawn(const Reference& reference, const Image8& submitted, const std::vector<Property>& properties) {
+Result scoreDrawn(const Reference& reference, const Image8& submitted,
+                  const std::vector<Property>& properties) {
     Result result;
     result.reference = rgbOf(reference.picture);
     result.submitted = rgbOf(submitted);

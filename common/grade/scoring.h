@@ -42,19 +42,21 @@ struct Result {
     double of() const;
 };
 
-/// The share of an effect that a picture shows where pictures with and without it differ by 6 codes or more in a
-/// channel: 1 − Σ|picture − with|² / Σ|without − with|², over the codes of those pixels. 1: as in `with`; 0: as
-/// far from it as if there were none; less for what is wrong besides. None where fewer than a thousandth of the
-/// pixels differ. All three are RGB and of one size.
+/// The share of an effect that a picture shows where pictures with and without it differ by 6 codes or more
+/// in a channel: 1 − Σ|picture − with|² / Σ|without − with|², over the codes of those pixels. 1: as in
+/// `with`; 0: as far from it as if there were none; less for what is wrong besides. None where fewer than a
+/// thousandth of the pixels differ. All three are RGB and of one size.
 std::optional<double> effectShare(const Image8& with, const Image8& without, const Image8& picture);
 
 /// The share of the pixels where an effect shows, as `effectShare` has it.
 double effectArea(const Image8& with, const Image8& without);
 
-/// Aligns and measures a screenshot. `reference` has as many entries of `without` as the rubric has properties.
+/// Aligns and measures a screenshot. `reference` has as many entries of `without` as the rubric has
+/// properties.
 Result scoreScreenshot(const Reference& reference, const Image8& submitted, const Rubric& rubric);
 
 /// The same for pictures that were drawn here, by these properties: nothing is aligned.
-Result scoreDrawn(const Reference& reference, const Image8& submitted, const std::vector<Property>& properties);
+Result scoreDrawn(const Reference& reference, const Image8& submitted,
+                  const std::vector<Property>& properties);
 
 }  // namespace quincunx::grade

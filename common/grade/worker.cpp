@@ -120,8 +120,10 @@ std::span<const std::byte> asBytes(const std::string& text) {
 /// As reports show it.
 std::string encodedSmall(const Image8& picture) {
     const int longest = std::max(picture.width, picture.height);
-    const int width = longest <= reportSide ? picture.width : std::max(1, picture.width * reportSide / longest);
-    const int height = longest <= reportSide ? picture.height : std::max(1, picture.height * reportSide / longest);
+    const int width =
+        longest <= reportSide ? picture.width : std::max(1, picture.width * reportSide / longest);
+    const int height =
+        longest <= reportSide ? picture.height : std::max(1, picture.height * reportSide / longest);
     const std::vector<unsigned char> bytes = encodedPng(resized(picture, width, height), "picture");
     return {bytes.begin(), bytes.end()};
 }
@@ -129,7 +131,11 @@ std::string encodedSmall(const Image8& picture) {
 Json jsonOf(const Result& result) {
     Json scores = Json::array();
     for (const Score& score : result.scores)
-        scores.push_back({{"name", score.name}, {"figure", score.figure}, {"points", score.points}, {"of", score.of}, {"reason", score.reason}});
+        scores.push_back({{"name", score.name},
+                          {"figure", score.figure},
+                          {"points", score.points},
+                          {"of", score.of},
+                          {"reason", score.reason}});
     Json limits = Json::array();
     for (const Limit& limit : result.limits)
         limits.push_back({{"share", limit.share}, {"reason", limit.reason}});
@@ -159,7 +165,8 @@ void answerScored(Json header, const Result& result) {
 Image8 decodedPicture(const Given& given) {
     const imageio::Header header = imageio::readHeader(asBytes(given.bytes), "the picture");
     if (header.width > 0 && header.height > 0 && header.width * header.height > maxPixels)
-        throw InputError(fmt::format("{}×{} pixels, more than {} million", header.width, header.height, maxPixels >> 20));
+        throw InputError(
+            fmt::format("{}×{} pixels, more than {} million", header.width, header.height, maxPixels >> 20));
     return readImage8FromMemory(asBytes(given.bytes), "the picture");
 }
 
@@ -221,7 +228,8 @@ class Look {
             for (const std::string& wrong : unpacked.faults)
                 fault(given.name, wrong);
             for (UnpackedFile& file : unpacked.files)
-                if (file.name.find("__MACOSX/") == std::string::npos && file.name.find("/._") == std::string::npos)
+                if (file.name.find("__MACOSX/") == std::string::npos &&
+                    file.name.find("/._") == std::string::npos)
                     all.push_back({given.name + "/" + file.name, std::move(file.bytes)});
         }
         given_ = std::move(all);
@@ -245,9 +253,11 @@ class Look {
             else if (isPictureName(given.name))
                 fault(given.name, given.bytes.empty() ? "empty" : "no picture, whatever its name says");
         }
-        std::sort(candidates.begin(), candidates.end(), [](const Given* a, const Given* b) { return a->name > b->name; });
+        std::sort(candidates.begin(), candidates.end(),
+                  [](const Given* a, const Given* b) { return a->name > b->name; });
         if (candidates.size() > maxPicturesTried) {
-            remarks_.push_back(fmt::format("{} pictures, of which {} were looked at", candidates.size(), maxPicturesTried));
+            remarks_.push_back(
+                fmt::format("{} pictures, of which {} were looked at", candidates.size(), maxPicturesTried));
             candidates.resize(maxPicturesTried);
         }
         std::size_t usable = 0;
@@ -269,7 +279,8 @@ class Look {
             }
         }
         if (usable > 1)
-            remarks_.push_back(fmt::format("{} pictures; {} was graded", usable, printable(pictureName_, 80)));
+            remarks_.push_back(
+                fmt::format("{} pictures; {} was graded", usable, printable(pictureName_, 80)));
     }
 
     void chooseShader() {
@@ -278,8 +289,8 @@ class Look {
         std::size_t count = 0;
         const auto fit = [&](const Given& given) {
             const std::string name = std::filesystem::path(given.name).filename().string();
-            return (extensionOf(name) == extensionOf(wanted) ? 1 : 0) + (name.find(stem) != std::string::npos ? 2 : 0) +
-                   (name == wanted ? 4 : 0);
+            return (extensionOf(name) == extensionOf(wanted) ? 1 : 0) +
+                   (name.find(stem) != std::string::npos ? 2 : 0) + (name == wanted ? 4 : 0);
         };
         for (const Given& given : given_) {
             if (!isShaderName(given.name))
@@ -334,8 +345,8 @@ class Look {
     const Given* shader_ = nullptr;
 };
 
-/// Draws the views with the solution and the handout, closes the process in, and draws them with the student's
-/// shader. In software: a device would need more of the system than a closed-in process has.
+/// Draws the views with the solution and the handout, closes the process in, and draws them with the
+/// student's shader. In software: a device would need more of the system than a closed-in process has.
 void draw(const Setting& setting, const Message& job) {
     const std::unique_ptr<Lab> lab = setting.entry->make();
     Studio studio(gl::Backend::osmesa);
@@ -374,7 +385,10 @@ void draw(const Setting& setting, const Message& job) {
         }
     } catch (const Error& e) {
         for (const Property& property : properties)
-            header["scores"].push_back({{"name", property.name}, {"figure", 0}, {"points", 0}, {"of", property.points},
+            header["scores"].push_back({{"name", property.name},
+                                        {"figure", 0},
+                                        {"points", 0},
+                                        {"of", property.points},
                                         {"reason", "the shader cannot be used"}});
         header["fault"] = e.what();
         answer({"scored", std::move(header), {}});
@@ -383,7 +397,8 @@ void draw(const Setting& setting, const Message& job) {
     // A property's points are the mean over the views that show it; its reason is that of the worst.
     std::size_t worst = 0;
     for (std::size_t i = 0; i < results.size(); ++i)
-        if (results[i].of() > 0 && results[i].points() / results[i].of() < results[worst].points() / std::max(results[worst].of(), 1e-9))
+        if (results[i].of() > 0 && results[i].points() / results[i].of() <
+                                       results[worst].points() / std::max(results[worst].of(), 1e-9))
             worst = i;
     for (std::size_t p = 0; p < properties.size(); ++p) {
         double points = 0;
@@ -401,9 +416,15 @@ void draw(const Setting& setting, const Message& job) {
         for (std::size_t i = 0; i < results.size() && points < of && reason.empty(); ++i)
             if (results[i].scores[p].points < results[i].scores[p].of)
                 reason = fmt::format("view {}: {}", i + 1, results[i].scores[p].reason);
-        header["scores"].push_back({{"name", properties[p].name}, {"figure", seen == 0 ? 0 : figure / seen}, {"points", points}, {"of", of}, {"reason", reason}});
+        header["scores"].push_back({{"name", properties[p].name},
+                                    {"figure", seen == 0 ? 0 : figure / seen},
+                                    {"points", points},
+                                    {"of", of},
+                                    {"reason", reason}});
     }
-    header["remarks"].push_back(fmt::format("drawn in {} views that were not shown before; the pictures are of view {}", views.size(), worst + 1));
+    header["remarks"].push_back(
+        fmt::format("drawn in {} views that were not shown before; the pictures are of view {}", views.size(),
+                    worst + 1));
     const std::string reference = encodedSmall(results[worst].reference);
     const std::string submitted = encodedSmall(results[worst].submitted);
     const std::string errors = encodedSmall(errorMap(results[worst].errors));

@@ -12,7 +12,8 @@ namespace quincunx::grade {
 /// process dies: then with its exit status, or 64 and the signal.
 ///
 /// Jobs:
-/// - "look" {files: [{path, name}]}: answers "seen" {faults, picture, shader}, waits for "reference" or "done", and
+/// - "look" {files: [{path, name}]}: answers "seen" {faults, picture, shader}, waits for "reference" or
+/// "done", and
 ///   answers "scored".
 /// - "draw" {name} with a shader's text: answers "scored".
 int runWorker(std::span<const LabEntry> labs);

@@ -189,8 +189,7 @@ std::function<TraceScene()> ShadowMapLab::exactScene() const {
 
 Exercise ShadowMapLab::exercise() const {
     Exercise exercise;
-    exercise.effects = {{"the shadows", {}},
-                        {"where the shadows fall", {{"light-turn", "60"}}}};
+    exercise.effects = {{"the shadows", {}}, {"where the shadows fall", {{"light-turn", "60"}}}};
     exercise.freeKnobs = {"supersample"};
     exercise.shader = "passes/phong_shadowed.frag";
     exercise.scenes = {{{"light-turn", "80"}}, {{"light", "spot"}}};

@@ -126,9 +126,8 @@ graph::Resource PostProcessingLab::build(graph::FrameGraph& graph, const Frame& 
 
 Exercise PostProcessingLab::exercise() const {
     Exercise exercise;
-    exercise.effects = {{"the glow", {{"bloom", "0"}}},
-                        {"the tone curve", {}},
-                        {"the exposure", {{"exposure", "-1.5"}}}};
+    exercise.effects = {
+        {"the glow", {{"bloom", "0"}}}, {"the tone curve", {}}, {"the exposure", {{"exposure", "-1.5"}}}};
     exercise.freeKnobs = {"supersample"};
     exercise.shader = "passes/tone_map.frag";
     exercise.scenes = {{{"exposure", "2.5"}}, {{"tone-map", "reinhard"}}};

@@ -277,8 +277,7 @@ void IntersectionsLab::addLegend(const Panel& panel, const Frame& frame) {
 
 Exercise IntersectionsLab::exercise() const {
     Exercise exercise;
-    exercise.effects = {{"the probe", {{"probe", "off"}}},
-                        {"the shapes", {{"shape", "sphere"}}}};
+    exercise.effects = {{"the probe", {{"probe", "off"}}}, {"the shapes", {{"shape", "sphere"}}}};
     exercise.freeKnobs = {"supersample"};
     return exercise;
 }

@@ -1,5 +1,6 @@
-// A made class with known defects, graded by the program: what each kind scores beside what it may, and how long a
-// class of screenshots takes beside ꟻLIP alone on as many. Exits with 1 if a kind is out of its limits.
+// A made class with known defects, graded by the program: what each kind scores beside what it may, and how
+// long a class of screenshots takes beside ꟻLIP alone on as many. Exits with 1 if a kind is out of its
+// limits.
 //
 //     bench_grading                  208 submissions of two labs at 320×180; 300 at 1280×720
 //     bench_grading --quick          the first part alone
@@ -51,7 +52,8 @@ struct Kind {
 Image8 noisy(Image8 image, std::uint64_t seed) {
     Random random(seed);
     for (std::uint8_t& code : image.data)
-        code = static_cast<std::uint8_t>(std::clamp<int>(code + static_cast<int>(random.below(5)) - 2, 0, 255));
+        code =
+            static_cast<std::uint8_t>(std::clamp<int>(code + static_cast<int>(random.below(5)) - 2, 0, 255));
     return image;
 }
 
@@ -61,7 +63,8 @@ Image8 otherSamples(const Image8& image, std::uint64_t seed) {
     for (int y = 0; y < image.height; ++y)
         for (int x = 1; x < image.width; ++x)
             for (int c = 0; c < image.channels; ++c)
-                result.pixel(x, y)[c] = static_cast<std::uint8_t>((2 * image.pixel(x, y)[c] + image.pixel(x - 1, y)[c]) / 3);
+                result.pixel(x, y)[c] =
+                    static_cast<std::uint8_t>((2 * image.pixel(x, y)[c] + image.pixel(x - 1, y)[c]) / 3);
     return result;
 }
 
@@ -102,7 +105,8 @@ Image8 blank(Image8 image, std::uint64_t seed) {
 }
 
 Image8 offByOne(const Image8& image, std::uint64_t seed) {
-    return grade::cropped(image, static_cast<int>(seed % 2), 1 - static_cast<int>(seed % 2), image.width - 1, image.height - 1);
+    return grade::cropped(image, static_cast<int>(seed % 2), 1 - static_cast<int>(seed % 2), image.width - 1,
+                          image.height - 1);
 }
 
 /// Kinds that any lab's pictures may be of.
@@ -120,7 +124,14 @@ std::vector<Kind> generalKinds() {
             {"mirrored", each, 0, 60, {}, mirrored},
             {"off-by-one crop", each, 0, 98, {}, offByOne},
             {"in a window", each, 0, 97, {}, bordered},
-            {"half the size", each, 0, 97, {}, [](const Image8& image, std::uint64_t) { return grade::resized(image, image.width / 2, image.height / 2); }},
+            {"half the size",
+             each,
+             0,
+             97,
+             {},
+             [](const Image8& image, std::uint64_t) {
+                 return grade::resized(image, image.width / 2, image.height / 2);
+             }},
             {"blank", each, 0, 0, {}, blank}};
 }
 
@@ -154,7 +165,8 @@ void makePictures(MadeClass& made, const std::vector<Kind>& kinds, int width, in
             ImageMetadata metadata;
             if (kind.record)
                 metadata.emplace_back(pictureStateKey, toJson(state));
-            writeImage(made.folder / (name + ".png"), kind.edit(picture, static_cast<std::uint64_t>(i + 1)), metadata);
+            writeImage(made.folder / (name + ".png"), kind.edit(picture, static_cast<std::uint64_t>(i + 1)),
+                       metadata);
             made.kinds[name] = &kind;
         }
         if (kind.handout) {
@@ -194,12 +206,14 @@ bool printTable(const MadeClass& made, const fs::path& out) {
     std::vector<std::pair<const Kind*, Found>> rows(found.begin(), found.end());
     std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     bool good = true;
-    std::printf("%s\n  %-38s %6s %7s %7s %7s   %s\n", made.entry.folder().c_str(), "kind", "number", "least", "mean", "most", "allowed");
+    std::printf("%s\n  %-38s %6s %7s %7s %7s   %s\n", made.entry.folder().c_str(), "kind", "number", "least",
+                "mean", "most", "allowed");
     for (const auto& [kind, one] : rows) {
         const bool holds = one.least >= kind->least - 1e-9 && one.most <= kind->most + 1e-9;
         good = good && holds;
-        std::printf("  %-38s %6d %7.1f %7.1f %7.1f   %.0f … %.0f%s\n", kind->name.c_str(), one.count, one.least, one.sum / one.count, one.most,
-                    kind->least, kind->most, holds ? "" : "   OUT OF ITS LIMITS");
+        std::printf("  %-38s %6d %7.1f %7.1f %7.1f   %.0f … %.0f%s\n", kind->name.c_str(), one.count,
+                    one.least, one.sum / one.count, one.most, kind->least, kind->most,
+                    holds ? "" : "   OUT OF ITS LIMITS");
     }
     return good;
 }
@@ -232,15 +246,19 @@ void timeClass(const fs::path& root) {
                                      {"gamma", count / 6, 0, 80, {}, power(1 / 2.2)},
                                      {"crop", count / 6, 0, 98, {}, offByOne}};
     makePictures(made, kinds, 1280, 720);
-    const double all = secondsOf([&] { grade::gradeClass(made.entry, optionsFor(made, root / "large_out")); });
+    const double all =
+        secondsOf([&] { grade::gradeClass(made.entry, optionsFor(made, root / "large_out")); });
     const Image8 first = readImage8(made.folder / "s0000.png");
     const Image8 second = noisy(first, 1);
     const double flips = secondsOf([&] {
-        for (int i = 0; i < count / 10; ++i)
-            flip(first, second);
-    }) * 10;
-    std::printf("\n%d screenshots of 1280×720: %.1f s; FLIP alone on as many, all processors on each: %.1f s; ratio %.1f\n", count, all, flips,
-                all / flips);
+                             for (int i = 0; i < count / 10; ++i)
+                                 flip(first, second);
+                         }) *
+                         10;
+    std::printf(
+        "\n%d screenshots of 1280×720: %.1f s; FLIP alone on as many, all processors on each: %.1f s; ratio "
+        "%.1f\n",
+        count, all, flips, all / flips);
 }
 
 int run(bool quick) {

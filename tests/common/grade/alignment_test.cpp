@@ -1,5 +1,7 @@
 // What happened to a picture on its way is found out, and a wrong picture is not explained away.
 
+#include "grade/alignment.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,16 +10,15 @@
 #include <gtest/gtest.h>
 
 #include "base/random.h"
-#include "grade/alignment.h"
 #include "image/compare.h"
 #include "tests/common/grade/drawing.h"
 
 namespace quincunx::grade {
 namespace {
 
+using test::drawing;
 using testing::ElementsAre;
 using testing::IsEmpty;
-using test::drawing;
 
 std::vector<Handling> found(const Alignment& alignment) {
     std::vector<Handling> handlings;
@@ -35,8 +36,9 @@ Image8 throughPower(Image8 image, double exponent) {
 Image8 noisy(Image8 image, int codes) {
     Random random(7);
     for (std::uint8_t& code : image.data)
-        code = static_cast<std::uint8_t>(
-            std::clamp<int>(code + static_cast<int>(random.below(static_cast<std::uint64_t>(2 * codes + 1))) - codes, 0, 255));
+        code = static_cast<std::uint8_t>(std::clamp<int>(
+            code + static_cast<int>(random.below(static_cast<std::uint64_t>(2 * codes + 1))) - codes, 0,
+            255));
     return image;
 }
 
@@ -115,7 +117,8 @@ TEST(Alignment, FindsExchangedChannels) {
 TEST(Alignment, FindsMirrors) {
     Image8 upsideDown = drawing(96, 64);
     for (int y = 0; y < 32; ++y)
-        std::swap_ranges(upsideDown.pixel(0, y), upsideDown.pixel(0, y) + 3 * 96, upsideDown.pixel(0, 63 - y));
+        std::swap_ranges(upsideDown.pixel(0, y), upsideDown.pixel(0, y) + 3 * 96,
+                         upsideDown.pixel(0, 63 - y));
     EXPECT_THAT(found(align(drawing(96, 64), upsideDown)), ElementsAre(Handling::mirrored));
 }
 
@@ -128,9 +131,11 @@ TEST(Alignment, DoesNotExplainAPictureThatIsWrong) {
 }
 
 TEST(Alignment, AcceptsAnySizeAndNumberOfChannels) {
-    for (const auto& [width, height] : {std::pair(1, 1), std::pair(1, 300), std::pair(97, 64), std::pair(500, 2)})
+    for (const auto& [width, height] :
+         {std::pair(1, 1), std::pair(1, 300), std::pair(97, 64), std::pair(500, 2)})
         for (int channels = 1; channels <= 4; ++channels) {
-            const Alignment alignment = align(drawing(96, 64), Image8(width, height, channels, Encoding::srgb));
+            const Alignment alignment =
+                align(drawing(96, 64), Image8(width, height, channels, Encoding::srgb));
             EXPECT_EQ(alignment.reference.data.size(), alignment.submitted.data.size());
         }
 }

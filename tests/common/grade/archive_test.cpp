@@ -1,5 +1,7 @@
 // Archives that students, and people who are no students, hand in.
 
+#include "grade/archive.h"
+
 #include <string>
 #include <vector>
 
@@ -9,7 +11,6 @@
 
 #include "base/check.h"
 #include "base/random.h"
-#include "grade/archive.h"
 
 namespace quincunx::grade {
 namespace {
@@ -33,10 +34,12 @@ std::string zipped(const std::vector<NewEntry>& entries) {
     zip_source_keep(source);
     for (const NewEntry& entry : entries) {
         const auto index = zip_file_add(archive, entry.name.c_str(),
-                                        zip_source_buffer(archive, entry.bytes.data(), entry.bytes.size(), 0), ZIP_FL_ENC_UTF_8);
+                                        zip_source_buffer(archive, entry.bytes.data(), entry.bytes.size(), 0),
+                                        ZIP_FL_ENC_UTF_8);
         QX_CHECK(index >= 0);
         if (entry.mode != 0)
-            zip_file_set_external_attributes(archive, static_cast<zip_uint64_t>(index), 0, ZIP_OPSYS_UNIX, entry.mode << 16);
+            zip_file_set_external_attributes(archive, static_cast<zip_uint64_t>(index), 0, ZIP_OPSYS_UNIX,
+                                             entry.mode << 16);
     }
     QX_CHECK(zip_close(archive) == 0);
     zip_source_open(source);
@@ -56,14 +59,16 @@ std::vector<std::string> namesOf(const Unpacked& unpacked) {
 }
 
 TEST(Archives, GiveTheirFilesWithFoldersAndArchivesInThem) {
-    const Unpacked unpacked = unpack(zipped({{"a.png", "A"}, {"deep/b.frag", "B"}, {"inner.zip", zipped({{"c", "C"}})}}));
+    const Unpacked unpacked =
+        unpack(zipped({{"a.png", "A"}, {"deep/b.frag", "B"}, {"inner.zip", zipped({{"c", "C"}})}}));
     EXPECT_THAT(namesOf(unpacked), ElementsAre("a.png", "deep/b.frag", "inner.zip/c"));
     EXPECT_EQ(unpacked.files[1].bytes, "B");
     EXPECT_THAT(unpacked.faults, IsEmpty());
 }
 
 TEST(Archives, AreNotLetOutOfTheirFolder) {
-    for (const char* name : {"../up", "a/../../up", "/etc/passwd", "..\\up", "C:\\x", "a/..", "line\nbreak"}) {
+    for (const char* name :
+         {"../up", "a/../../up", "/etc/passwd", "..\\up", "C:\\x", "a/..", "line\nbreak"}) {
         const Unpacked unpacked = unpack(zipped({{name, "x"}, {"good", "y"}}));
         EXPECT_THAT(namesOf(unpacked), ElementsAre("good")) << name;
         EXPECT_THAT(unpacked.faults, ElementsAre(HasSubstr("refused"))) << name;
@@ -71,7 +76,8 @@ TEST(Archives, AreNotLetOutOfTheirFolder) {
 }
 
 TEST(Archives, HoldNoLinksAndNoDevices) {
-    const Unpacked unpacked = unpack(zipped({{"link", "/etc/passwd", 0120777}, {"pipe", "", 010644}, {"file", "x", 0100644}}));
+    const Unpacked unpacked =
+        unpack(zipped({{"link", "/etc/passwd", 0120777}, {"pipe", "", 010644}, {"file", "x", 0100644}}));
     EXPECT_THAT(namesOf(unpacked), ElementsAre("file"));
     EXPECT_THAT(unpacked.faults, ElementsAre(HasSubstr("a link"), HasSubstr("no regular file")));
 }
@@ -90,14 +96,19 @@ TEST(Archives, AreBoundedInRatioSizeCountAndDepth) {
     const Unpacked bomb = unpack(zipped({{"bomb", std::string(2 << 20, '\0')}}), limits);
     EXPECT_THAT(bomb.files, IsEmpty());
     EXPECT_THAT(bomb.faults, ElementsAre(HasSubstr("bytes out of")));
-    EXPECT_THAT(unpack(zipped({{"large", random + random}}), limits).faults, ElementsAre(HasSubstr("unpacked")));
-    EXPECT_THAT(namesOf(unpack(zipped({{"1", random}, {"2", random}, {"3", random}}), limits)), ElementsAre("1", "2"));
-    EXPECT_THAT(unpack(zipped({{"1", ""}, {"2", ""}, {"3", ""}, {"4", ""}, {"5", ""}}), limits).faults, ElementsAre(HasSubstr("5 entries")));
-    EXPECT_THAT(unpack(zipped({{"in", zipped({{"x", "x"}})}}), limits).faults, ElementsAre(HasSubstr("too deep")));
+    EXPECT_THAT(unpack(zipped({{"large", random + random}}), limits).faults,
+                ElementsAre(HasSubstr("unpacked")));
+    EXPECT_THAT(namesOf(unpack(zipped({{"1", random}, {"2", random}, {"3", random}}), limits)),
+                ElementsAre("1", "2"));
+    EXPECT_THAT(unpack(zipped({{"1", ""}, {"2", ""}, {"3", ""}, {"4", ""}, {"5", ""}}), limits).faults,
+                ElementsAre(HasSubstr("5 entries")));
+    EXPECT_THAT(unpack(zipped({{"in", zipped({{"x", "x"}})}}), limits).faults,
+                ElementsAre(HasSubstr("too deep")));
 }
 
 TEST(Archives, ThatAreDamagedAreFaultsAndNothingElse) {
-    const std::string good = zipped({{"a", std::string(3000, 'a')}, {"b", "bbb"}, {"c.zip", zipped({{"d", "dd"}})}});
+    const std::string good =
+        zipped({{"a", std::string(3000, 'a')}, {"b", "bbb"}, {"c.zip", zipped({{"d", "dd"}})}});
     Random random(11);
     std::size_t faults = 0;
     for (int i = 0; i < 600; ++i) {

@@ -1,5 +1,7 @@
 // Classes as they are handed in: right, wrong, broken and hostile.
 
+#include "tests/common/grade/class_test.h"
+
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -12,7 +14,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/common/grade/class_test.h"
 #include "tests/support/process.h"
 
 namespace quincunx::grade {
@@ -54,7 +55,8 @@ TEST_F(Class, IsScoredWithAReasonForEveryLostPoint) {
     const Record& noHighlight = records.at("no_highlight");
     EXPECT_LE(pointsOf(noHighlight), 80);
     EXPECT_THAT(noHighlight.reasons(), Contains(HasSubstr("the highlights: 0.0 of 20.0 points: missing")));
-    EXPECT_THAT(noHighlight.parts.at(0).remarks, Contains(HasSubstr("--specular=off, where the task has on")));
+    EXPECT_THAT(noHighlight.parts.at(0).remarks,
+                Contains(HasSubstr("--specular=off, where the task has on")));
     EXPECT_LE(pointsOf(records.at("wrong_light")), 60);
     // A camera that hides everything is not followed.
     EXPECT_LE(pointsOf(records.at("looks_away")), 40);
@@ -98,7 +100,8 @@ TEST_F(Class, LosesOnlyTheSubmissionsThatAreBroken) {
     EXPECT_EQ(records.size(), 15u);
     for (const char* whole : {"right", "both", "new\nline \"quoted\" <b>&"})
         EXPECT_EQ(pointsOf(records.at(whole)), 100) << whole;
-    for (const char* broken : {"truncated", "wide", "huge", "larger", "empty", "text", "notes", "broken", "nothing", "link", "noise"}) {
+    for (const char* broken : {"truncated", "wide", "huge", "larger", "empty", "text", "notes", "broken",
+                               "nothing", "link", "noise"}) {
         EXPECT_EQ(pointsOf(records.at(broken)), 0) << broken;
         EXPECT_THAT(records.at(broken).reasons(), testing::Not(IsEmpty())) << broken;
     }
@@ -115,8 +118,17 @@ TEST_F(Class, GoesOnWhereItWasKilledAndEndsWithTheSameBytes) {
     for (int i = 0; i < 12; ++i)
         submit("student" + std::to_string(i) + ".png", {{"light-turn", std::to_string(5 * i)}});
     gradeClass(entry_, options("whole"));
-    const std::vector<std::string> words = {QUINCUNX_PROGRAM, "grade", (folder_ / "class").string(), "--lab", "shading", "--backend", "osmesa",
-                                            "--jobs", "1", "--out", (folder_ / "killed").string()};
+    const std::vector<std::string> words = {QUINCUNX_PROGRAM,
+                                            "grade",
+                                            (folder_ / "class").string(),
+                                            "--lab",
+                                            "shading",
+                                            "--backend",
+                                            "osmesa",
+                                            "--jobs",
+                                            "1",
+                                            "--out",
+                                            (folder_ / "killed").string()};
     const auto recordsDone = [&] {
         std::error_code error;
         std::size_t count = 0;

@@ -35,7 +35,8 @@ class ClassTest : public testing::Test {
     }
 
     /// A picture as `run` writes it.
-    void submit(const std::string& name, const KnobValues& knobs, bool withRecord = true, int width = 96, int height = 64) {
+    void submit(const std::string& name, const KnobValues& knobs, bool withRecord = true, int width = 96,
+                int height = 64) {
         const KnobScope scope(lab_->knobs());
         for (const auto& [knob, value] : knobs)
             lab_->knobs().find(knob).parse(value);

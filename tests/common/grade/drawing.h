@@ -6,7 +6,8 @@
 
 namespace quincunx::grade::test {
 
-/// A picture with edges, colours and a gradient, unlike itself when mirrored, shifted or with channels exchanged.
+/// A picture with edges, colours and a gradient, unlike itself when mirrored, shifted or with channels
+/// exchanged.
 inline Image8 drawing(int width, int height) {
     Image8 image(width, height, 3, Encoding::srgb);
     for (int y = 0; y < height; ++y)

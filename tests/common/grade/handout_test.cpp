@@ -1,10 +1,11 @@
 // What a handout keeps of the solution.
 
+#include "grade/handout.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "grade/handout.h"
 #include "labs/all_labs.h"
 
 namespace quincunx::grade {
@@ -16,7 +17,9 @@ using testing::IsEmpty;
 using testing::Not;
 
 TEST(Handouts, HaveTheTaskInPlaceOfTheSolution) {
-    const Handout handout = handoutOf("a;\n    // task: Do it\n    // well.\n    secret;\n    // instead: b;\n    // end of task\nc;\n", "x.frag");
+    const Handout handout = handoutOf(
+        "a;\n    // task: Do it\n    // well.\n    secret;\n    // instead: b;\n    // end of task\nc;\n",
+        "x.frag");
     EXPECT_EQ(handout.text, "a;\n    // TASK: Do it\n    // well.\n    b;\nc;\n");
     EXPECT_THAT(handout.tasks, ElementsAre("Do it well."));
 }

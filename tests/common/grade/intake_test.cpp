@@ -1,5 +1,7 @@
 // Whose work a folder holds.
 
+#include "grade/intake.h"
+
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -11,7 +13,6 @@
 #include <sys/stat.h>
 
 #include "base/error.h"
-#include "grade/intake.h"
 #include "tests/support/temporary_folder.h"
 
 namespace quincunx::grade {
@@ -77,7 +78,9 @@ TEST(Intake, KnowsTheNamesThatGradescopeGives) {
     const TemporaryFolder folder;
     folder.file("submission_77/shot.png", "x");
     folder.file("submission_78/shot.png", "x");
-    folder.file("submission_metadata.yml", "---\nsubmission_77:\n  :submitters:\n  - :name: Ada Lovelace\n    :sid: '1'\n  - :name: 'Bob'\n");
+    folder.file(
+        "submission_metadata.yml",
+        "---\nsubmission_77:\n  :submitters:\n  - :name: Ada Lovelace\n    :sid: '1'\n  - :name: 'Bob'\n");
     const std::vector<Submission> submissions = takeIn(folder.path());
     ASSERT_THAT(studentsOf(submissions), ElementsAre("Ada Lovelace, Bob", "submission_78"));
     EXPECT_EQ(submissions[0].id, "77");
@@ -93,8 +96,9 @@ TEST(Intake, RefusesLinksAndDevicesByName) {
     const std::vector<Submission> submissions = takeIn(folder.path());
     ASSERT_THAT(studentsOf(submissions), ElementsAre("eve", "mallory"));
     EXPECT_THAT(submissions[0].files, SizeIs(1));
-    EXPECT_THAT(submissions[0].faults, ElementsAre(HasSubstr("folder: refused: a link"), HasSubstr("link.png: refused: a link"),
-                                                   HasSubstr("pipe.png: refused: no regular file")));
+    EXPECT_THAT(submissions[0].faults,
+                ElementsAre(HasSubstr("folder: refused: a link"), HasSubstr("link.png: refused: a link"),
+                            HasSubstr("pipe.png: refused: no regular file")));
     EXPECT_THAT(submissions[1].files, IsEmpty());
     EXPECT_THAT(submissions[1].faults, ElementsAre(HasSubstr("a link")));
 }
@@ -110,7 +114,8 @@ TEST(Intake, KeepsApartWhatHasOneName) {
 
 TEST(Intake, FilesAnyNameUnderHarmlessDigits) {
     const TemporaryFolder folder;
-    for (const char* name : {"a\nb.png", "\"quoted\".png", "<script>alert(1)<.png", "'; rm.png", "\xff\xfe.png", "=cmd.png"})
+    for (const char* name :
+         {"a\nb.png", "\"quoted\".png", "<script>alert(1)<.png", "'; rm.png", "\xff\xfe.png", "=cmd.png"})
         folder.file(name, "x");
     const std::vector<Submission> submissions = takeIn(folder.path());
     EXPECT_THAT(submissions, SizeIs(6));

@@ -49,7 +49,8 @@ class Outputs : public testing::Test {
     void write(bool anonymous) {
         Class graded{"16_shadow_maps", "shadow maps", {}, {}};
         graded.rubric.title = "Shadows";
-        graded.records = {recordOf("<script>alert(1)</script>", "12", Platform::moodle, 5), recordOf("=1+1", "4711", Platform::canvas, 10)};
+        graded.records = {recordOf("<script>alert(1)</script>", "12", Platform::moodle, 5),
+                          recordOf("=1+1", "4711", Platform::canvas, 10)};
         graded.records[1].faults.push_back("../up: refused");
         writeOutputs(graded, folder_.path(), anonymous);
     }
@@ -60,7 +61,8 @@ class Outputs : public testing::Test {
 
 TEST_F(Outputs, AreTheTablesOfThePlatforms) {
     write(false);
-    EXPECT_THAT(read("grades.csv"), HasSubstr("<script>alert(1)</script>,12,,50.00,100.00,50.00,,the shadows: 5.0 of 10.0 points: missing\r\n"));
+    EXPECT_THAT(read("grades.csv"), HasSubstr("<script>alert(1)</script>,12,,50.00,100.00,50.00,,the "
+                                              "shadows: 5.0 of 10.0 points: missing\r\n"));
     EXPECT_THAT(read("lms/canvas.csv"), HasSubstr("Student,ID,SIS User ID,SIS Login ID,Section,Shadows\r\n"));
     EXPECT_THAT(read("lms/canvas.csv"), HasSubstr("'=1+1,4711,,,,100.00\r\n"));
     EXPECT_THAT(read("lms/moodle.csv"), HasSubstr("Participant 12,<script>alert(1)</script>,50.00,100.00,"));
@@ -73,7 +75,8 @@ TEST_F(Outputs, EscapeNamesInTheReport) {
     write(false);
     EXPECT_THAT(read("index.html"), HasSubstr("&lt;script&gt;alert(1)"));
     EXPECT_THAT(read("index.html"), Not(HasSubstr("<script>alert")));
-    EXPECT_THAT(read(("students/" + digest("<script>alert(1)</script>") + ".html").c_str()), HasSubstr("&lt;b&gt;shot"));
+    EXPECT_THAT(read(("students/" + digest("<script>alert(1)</script>") + ".html").c_str()),
+                HasSubstr("&lt;b&gt;shot"));
 }
 
 TEST_F(Outputs, NeedNothingFromAnywhereElse) {
@@ -112,7 +115,11 @@ TEST(Shards, AreWhatBatchSystemsSay) {
     using testing::Pair;
     EXPECT_THAT(shard({}), Pair(0, 0));
     EXPECT_THAT(shard({{"SLURM_ARRAY_TASK_ID", "2"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}), Pair(2, 4));
-    EXPECT_THAT(shard({{"SLURM_ARRAY_TASK_ID", "7"}, {"SLURM_ARRAY_TASK_MIN", "1"}, {"SLURM_ARRAY_TASK_STEP", "3"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}), Pair(2, 4));
+    EXPECT_THAT(shard({{"SLURM_ARRAY_TASK_ID", "7"},
+                       {"SLURM_ARRAY_TASK_MIN", "1"},
+                       {"SLURM_ARRAY_TASK_STEP", "3"},
+                       {"SLURM_ARRAY_TASK_COUNT", "4"}}),
+                Pair(2, 4));
     EXPECT_THAT(shard({{"JOB_COMPLETION_INDEX", "0"}, {"QUINCUNX_SHARDS", "3"}}), Pair(0, 3));
     EXPECT_THAT(shard({{"CI_NODE_INDEX", "2"}, {"CI_NODE_TOTAL", "2"}}), Pair(1, 2));
     EXPECT_THAT(shard({{"CI_NODE_INDEX", "1"}, {"CI_NODE_TOTAL", "1"}}), Pair(0, 0));

@@ -1,14 +1,15 @@
 // Rubrics as instructors write them, and as they should not.
 
+#include "grade/rubric.h"
+
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "grade/rubric.h"
-#include "labs/all_labs.h"
 #include "lab/verbs.h"
+#include "labs/all_labs.h"
 #include "tests/support/temporary_folder.h"
 
 namespace quincunx::grade {
@@ -20,7 +21,9 @@ using testing::HasSubstr;
 
 class Rubrics : public testing::Test {
   protected:
-    Rubric read(const char* name, const char* text) { return readRubric(folder_.file(name, text), entry_, *lab_); }
+    Rubric read(const char* name, const char* text) {
+        return readRubric(folder_.file(name, text), entry_, *lab_);
+    }
 
     const LabEntry& entry_ = findLab(allLabs(), "shading");
     std::unique_ptr<Lab> lab_ = entry_.make();

@@ -1,5 +1,7 @@
 // What a closed-in process cannot do. Each test forks one, whose exit status tells.
 
+#include "grade/sandbox.h"
+
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -13,8 +15,6 @@
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include "grade/sandbox.h"
 
 namespace quincunx::grade {
 namespace {
@@ -66,7 +66,8 @@ TEST(Sandbox, StillComputesWithThreadsAndPipes) {
         std::thread([&] { sum = 3; }).join();
         const std::vector<char> memory(64 << 20, 'x');
         char c = 0;
-        return write(ends[1], memory.data(), 1) == 1 && read(ends[0], &c, 1) == 1 && c == 'x' && sum == 3 ? 0 : 2;
+        return write(ends[1], memory.data(), 1) == 1 && read(ends[0], &c, 1) == 1 && c == 'x' && sum == 3 ? 0
+                                                                                                          : 2;
     });
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
 }
@@ -101,7 +102,10 @@ TEST(Limits, EndAProcessThatComputesTooLong) {
 TEST(Limits, KeepMemoryBounded) {
     const int status = statusOf([] {
         limitProcess({.cpuSeconds = 10, .memoryBytes = 64 << 20});
-        return mmap(nullptr, 128 << 20, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) == MAP_FAILED ? 0 : 1;
+        return mmap(nullptr, 128 << 20, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) ==
+                       MAP_FAILED
+                   ? 0
+                   : 1;
     });
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }

@@ -1,18 +1,19 @@
 // Figures of pictures whose answer is known in closed form.
 
+#include "grade/scoring.h"
+
 #include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "grade/scoring.h"
 #include "tests/common/grade/drawing.h"
 
 namespace quincunx::grade {
 namespace {
 
-using testing::HasSubstr;
 using test::drawing;
+using testing::HasSubstr;
 
 Image8 withSpot(std::uint8_t code) {
     Image8 image = drawing(96, 64);
@@ -45,32 +46,38 @@ Rubric rubricWith(std::vector<Property> properties) {
     return rubric;
 }
 
-const Property flipTen{.name = "picture", .measure = Measure::flip, .without = {}, .points = 10, .full = 0.05, .none = 0.3};
-const Property spotTwenty{.name = "spot", .measure = Measure::effect, .without = {}, .points = 20, .full = 0.85, .none = 0.25};
+const Property flipTen{
+    .name = "picture", .measure = Measure::flip, .without = {}, .points = 10, .full = 0.05, .none = 0.3};
+const Property spotTwenty{
+    .name = "spot", .measure = Measure::effect, .without = {}, .points = 20, .full = 0.85, .none = 0.25};
 
 TEST(Scores, AreFullForTheReferenceItself) {
-    const Result result = scoreScreenshot({withSpot(200), {Image8{}, withSpot(100)}}, withSpot(200), rubricWith({flipTen, spotTwenty}));
+    const Result result = scoreScreenshot({withSpot(200), {Image8{}, withSpot(100)}}, withSpot(200),
+                                          rubricWith({flipTen, spotTwenty}));
     EXPECT_EQ(result.points(), 30);
     EXPECT_EQ(result.of(), 30);
     EXPECT_TRUE(result.scores[0].reason.empty() && result.scores[1].reason.empty());
 }
 
 TEST(Scores, TellWhyPointsAreLost) {
-    const Result result = scoreScreenshot({withSpot(200), {Image8{}, withSpot(100)}}, withSpot(100), rubricWith({flipTen, spotTwenty}));
+    const Result result = scoreScreenshot({withSpot(200), {Image8{}, withSpot(100)}}, withSpot(100),
+                                          rubricWith({flipTen, spotTwenty}));
     EXPECT_EQ(result.scores[1].points, 0);
     EXPECT_THAT(result.scores[1].reason, HasSubstr("missing"));
     EXPECT_EQ(result.scores[0].points, 10);  // ten pixels in a hundred do not spoil the whole
 }
 
 TEST(Scores, LeaveOutWhatThePictureCannotShow) {
-    const Result result = scoreScreenshot({drawing(96, 64), {drawing(96, 64)}}, drawing(96, 64), rubricWith({spotTwenty}));
+    const Result result =
+        scoreScreenshot({drawing(96, 64), {drawing(96, 64)}}, drawing(96, 64), rubricWith({spotTwenty}));
     EXPECT_EQ(result.of(), 0);
     EXPECT_THAT(result.remarks, testing::ElementsAre(HasSubstr("cannot be seen")));
 }
 
 TEST(Scores, AreLimitedByHowThePictureWasHandled) {
     const Image8 submitted = cropped(withSpot(200), 1, 0, 95, 64);
-    const Result result = scoreScreenshot({withSpot(200), {Image8{}, withSpot(100)}}, submitted, rubricWith({flipTen, spotTwenty}));
+    const Result result = scoreScreenshot({withSpot(200), {Image8{}, withSpot(100)}}, submitted,
+                                          rubricWith({flipTen, spotTwenty}));
     EXPECT_EQ(result.points(), 15);
     EXPECT_THAT(result.limits.at(0).reason, HasSubstr("cropped"));
 }

@@ -32,13 +32,16 @@ TEST_F(Shaders, CostOnlyThemselves) {
     submitText("handout/phong.frag", handoutOf(solution(), "x").text);
     submitText("renamed/my-phong (1).frag", solution());
     submitText("syntax/phong.frag", with("colour = 1;"));
-    submitText("outside/phong.frag", "#version 330 core\n#include \"../../../../etc/passwd\"\nvoid main() {}\n");
+    submitText("outside/phong.frag",
+               "#version 330 core\n#include \"../../../../etc/passwd\"\nvoid main() {}\n");
     submitText("empty/phong.frag", "");
     submitText("binary/phong.frag", std::string("#version 330 core\n\0\xff\xfe", 22));
     // Too long for anyone: each pixel for ever, as far as the driver goes.
-    submitText("forever/phong.frag", with("int i = 0; while (i >= 0) { for (int k = 0; k < 1000000000; ++k) { i = (i * 7 + k) % 1000; if (i == -1) "
+    submitText("forever/phong.frag", with("int i = 0; while (i >= 0) { for (int k = 0; k < 1000000000; ++k) "
+                                          "{ i = (i * 7 + k) % 1000; if (i == -1) "
                                           "return; color.r += sin(float(i)); } }"));
-    submitText("large/phong.frag", with("float many[1000000]; for (int i = 0; i < 1000000; ++i) many[i] = float(i) * color.r; color.g = many[int(gl_FragCoord.x) * 1000];"));
+    submitText("large/phong.frag", with("float many[1000000]; for (int i = 0; i < 1000000; ++i) many[i] = "
+                                        "float(i) * color.r; color.g = many[int(gl_FragCoord.x) * 1000];"));
     Options graded = options();
     graded.secondsEach = 4;
     gradeClass(entry_, graded);
@@ -52,7 +55,8 @@ TEST_F(Shaders, CostOnlyThemselves) {
     }
     EXPECT_THAT(records.at("syntax").reasons(), Contains(HasSubstr("phong.frag:")));
     EXPECT_THAT(records.at("outside").reasons(), Contains(HasSubstr("outside shaders/")));
-    EXPECT_THAT(records.at("forever").reasons(), Contains(HasSubstr("its process was ended: it took more than 4 s of processor time")));
+    EXPECT_THAT(records.at("forever").reasons(),
+                Contains(HasSubstr("its process was ended: it took more than 4 s of processor time")));
     EXPECT_LT(records.at("large").points(100), 100);
 }
 
@@ -86,7 +90,8 @@ TEST(HandoutsOfAllLabs, ScoreLowUntouchedAndFullWhenSolved) {
                 continue;
             const Record record = parseRecord(readFile(file.path(), 1 << 24), "record");
             EXPECT_TRUE(record.faults.empty()) << entry.folder() << ' ' << record.faults.front();
-            std::printf("%-24s %-9s %6.1f\n", entry.folder().c_str(), record.student.c_str(), record.points(100));
+            std::printf("%-24s %-9s %6.1f\n", entry.folder().c_str(), record.student.c_str(),
+                        record.points(100));
             // Seventy points are the task's own; what else there is in the pictures gives the rest in part.
             if (record.student == "solution")
                 EXPECT_EQ(record.points(100), 100) << entry.folder();
