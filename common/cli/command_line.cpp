@@ -14,6 +14,8 @@
 #include "atlas/atlas.h"
 #include "base/file.h"
 #include "base/interrupt.h"
+#include "grade/verbs.h"
+#include "grade/worker.h"
 #include "lab/picture_state.h"
 #include "lab/verbs.h"
 
@@ -22,7 +24,11 @@ namespace {
 
 constexpr int interruptedStatus = 130;  // 128 + SIGINT, as shells have it
 
-constexpr std::array verbs = {"list", "run", "ask", "sweep", "plan", "stress", "compare", "deck", "atlas"};
+constexpr std::array verbs = {"list",    "run",  "ask",   "sweep", "plan",   "stress",
+                              "compare", "deck", "atlas", "grade", "handout"};
+
+/// The program calls itself so, for each job of `grade`.
+constexpr std::string_view workerVerb = "grade-worker";
 
 const char* about =
     "Computer-graphics labs that measure what they teach.\n"
@@ -139,8 +145,8 @@ void addFrame(CLI::App& command, DrawOptions& options) {
 /// Inserts the verb `run` where the program of a single lab is given none.
 std::vector<std::string> withVerb(std::vector<std::string> words) {
     const bool given =
-        !words.empty() &&
-        (std::find(verbs.begin(), verbs.end(), words.front()) != verbs.end() || words.front() == "--version");
+        !words.empty() && (words.front() == workerVerb || words.front() == "--version" ||
+                           std::find(verbs.begin(), verbs.end(), words.front()) != verbs.end());
     if (!given)
         words.insert(words.begin(), "run");
     return words;
@@ -148,6 +154,8 @@ std::vector<std::string> withVerb(std::vector<std::string> words) {
 
 /// `only`: the lab of a program of its own; null for the program with all labs.
 int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, const LabEntry* only) {
+    if (!words.empty() && words.front() == workerVerb)
+        return grade::runWorker(labs);
     CLI::App app(about, only != nullptr ? only->folder() : "quincunx");
     app.set_version_flag("--version", "quincunx " QUINCUNX_VERSION);
     app.require_subcommand(0, 1);
@@ -345,6 +353,47 @@ int dispatch(std::vector<std::string> words, std::span<const LabEntry> labs, con
                            "More values of each knob, sweeps at full size, more hard inputs");
     atlasCommand->add_flag("--json", atlasOptions.json, "Machine-readable");
     atlasCommand->callback([&] { status = makeAtlas(labs, atlasOptions); });
+
+    GradeOptions gradeOptions;
+    CLI::App* gradeCommand =
+        app.add_subcommand("grade", "Score what a class handed in: tables, report, LMS files");
+    gradeCommand->add_option(
+        "SUBMISSIONS", gradeOptions.places,
+        "A folder or ZIP, one file or folder a student; with --merge, folders of shards");
+    if (only == nullptr)
+        gradeCommand->add_option("--lab", gradeOptions.lab, "What the class worked on")->type_name("LAB");
+    else
+        gradeOptions.lab = only->folder();
+    gradeCommand->add_option("--rubric", gradeOptions.grade.rubric, "Points and limits, TOML or JSON")
+        ->type_name("FILE")
+        ->default_str("the lab's own");
+    gradeCommand->add_option("--out", gradeOptions.grade.out, "Where the grades go")
+        ->type_name("FOLDER")
+        ->default_str("out/grade");
+    addNumber(*gradeCommand, "--jobs", gradeOptions.grade.jobs, 1, 1024, "Submissions at a time")
+        ->type_name("N")
+        ->default_str("one a processor");
+    addNumber(*gradeCommand, "--seconds", gradeOptions.grade.secondsEach, 1, 3600,
+              "Of processor time that a submission may take")
+        ->type_name("S")
+        ->default_str("60");
+    addBackend(*gradeCommand, gradeOptions.grade.backend, false);
+    gradeCommand->add_flag("--anonymous", gradeOptions.grade.anonymous, "Names in lms/ and journal/ only");
+    gradeCommand->add_flag("--merge", gradeOptions.merge, "Make the outputs of shards that are done");
+    gradeCommand->add_flag("--json", gradeOptions.json, "Machine-readable");
+    gradeCommand->callback([&] { gradeSubmissions(labs, gradeOptions); });
+
+    HandoutOptions handoutOptions;
+    CLI::App* handoutCommand =
+        labVerb("handout", "A student's starter: the lab's shader without the part to write", false);
+    handoutCommand->add_option("--out", handoutOptions.out, "Where it goes")
+        ->type_name("FOLDER")
+        ->default_str("out/handout/LAB");
+    handoutCommand->add_flag("--json", handoutOptions.json, "Machine-readable");
+    handoutCommand->callback([&] {
+        const LabEntry& entry = chosen();
+        handout(entry, handoutOptions);
+    });
 
     try {
         if (lab)

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "base/check.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/paths.h"
@@ -20,8 +23,29 @@ constexpr std::size_t maxTotalBytes = std::size_t{4} << 20;
 constexpr std::size_t maxDepth = 32;
 constexpr std::string_view versionLine = "#version 330 core";
 
+/// All shaders, where they are kept in memory.
+struct KeptShaders {
+    fs::path assets;                            ///< assetRoot() as it was
+    std::map<fs::path, std::string> texts;      ///< by whole name
+    std::map<fs::path, std::uint64_t> changes;  ///< how often each was replaced
+};
+
+std::optional<KeptShaders>& keptShaders() {
+    static std::optional<KeptShaders> kept;
+    return kept;
+}
+
+fs::path assets() {
+    return keptShaders() ? keptShaders()->assets : assetRoot();
+}
+
 fs::path shaderRoot() {
-    return assetRoot() / "shaders";
+    return assets() / "shaders";
+}
+
+bool shaderExists(const fs::path& file) {
+    std::error_code error;
+    return keptShaders() ? keptShaders()->texts.contains(file.lexically_normal()) : fs::exists(file, error);
 }
 
 std::string_view trim(std::string_view text) {
@@ -210,9 +234,8 @@ class Loader {
 
     /// The first of the two that exists; both are watched, as either may appear.
     fs::path find(const fs::path& beside, const fs::path& fromRoot) {
-        std::error_code error;
         for (const fs::path& candidate : {beside.lexically_normal(), fromRoot.lexically_normal()}) {
-            if (fs::exists(candidate, error))
+            if (shaderExists(candidate))
                 return candidate;
             visited_.push_back(detail::stampOf(candidate));
         }
@@ -220,6 +243,12 @@ class Loader {
     }
 
     static std::string read(const fs::path& file, const std::string& includedAt) {
+        if (keptShaders()) {
+            const auto found = keptShaders()->texts.find(file.lexically_normal());
+            if (found == keptShaders()->texts.end())
+                throw ShaderError("no such shader", includedAt, "check the name");
+            return found->second;
+        }
         try {
             return readFile(file, maxTotalBytes);
         } catch (const InputError& error) {
@@ -232,6 +261,8 @@ class Loader {
     }
 
     static fs::path identity(const fs::path& file) {
+        if (keptShaders())
+            return file.lexically_normal();
         std::error_code error;
         fs::path canonical = fs::canonical(file, error);
         return error ? file.lexically_normal() : canonical;
@@ -302,7 +333,34 @@ std::optional<Place> placeOf(std::string_view line) {
 
 }  // namespace
 
+void keepShadersInMemory() {
+    KeptShaders kept;
+    kept.assets = assetRoot();
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kept.assets / "shaders"))
+        if (entry.is_regular_file())
+            kept.texts[entry.path().lexically_normal()] = readFile(entry.path(), maxTotalBytes);
+    for (const auto& [file, text] : kept.texts)
+        kept.changes[file] = 0;
+    keptShaders() = std::move(kept);
+}
+
+void replaceKeptShader(const std::string& name, std::string text) {
+    QX_CHECK(keptShaders().has_value());
+    const fs::path file = (shaderRoot() / name).lexically_normal();
+    keptShaders()->texts[file] = std::move(text);
+    ++keptShaders()->changes[file];
+}
+
 FileStamp detail::stampOf(const fs::path& file) {
+    if (keptShaders()) {
+        const fs::path name = file.lexically_normal();
+        const auto found = keptShaders()->texts.find(name);
+        if (found == keptShaders()->texts.end())
+            return {.file = file};
+        return {.file = file,
+                .time = fs::file_time_type(fs::file_time_type::duration(keptShaders()->changes[name])),
+                .size = found->second.size()};
+    }
     std::error_code error;
     FileStamp stamp{.file = file};
     const auto size = fs::file_size(file, error);
@@ -315,7 +373,7 @@ FileStamp detail::stampOf(const fs::path& file) {
 }
 
 std::string detail::displayName(const fs::path& file) {
-    const fs::path relative = file.lexically_relative(assetRoot());
+    const fs::path relative = file.lexically_relative(assets());
     return relative.empty() || *relative.begin() == ".." ? file.string() : relative.string();
 }
 

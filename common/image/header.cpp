@@ -117,6 +117,47 @@ MaybeHeader readJpeg(Reader reader) {
     }
 }
 
+/// RFC 9649: the canvas of an extended file, or the frame of a simple one, lossy (RFC 6386) or lossless.
+MaybeHeader readWebp(Reader reader) {
+    reader.take(4);
+    const auto length = reader.littleEndian(4);
+    if (!length || *length > reader.left() || !reader.take(4))
+        return {};
+    const auto chunk = reader.take(4);
+    const auto chunkLength = reader.littleEndian(4);
+    if (!chunk || !chunkLength || *chunkLength > reader.left())
+        return {};
+    Header header{Format::webp, 0, 0};
+    if (*chunk == "VP8X") {
+        const bool hasFlags = reader.take(4).has_value();
+        const auto width = reader.littleEndian(3);
+        const auto height = reader.littleEndian(3);
+        if (!hasFlags || !width || !height)
+            return {};
+        header.width = std::int64_t{*width} + 1;
+        header.height = std::int64_t{*height} + 1;
+        return header;
+    }
+    constexpr std::uint32_t side = 0x3FFF;  // 14 bits
+    if (*chunk == "VP8L") {
+        const bool signature = reader.take(1).has_value();
+        const auto sizes = reader.littleEndian(4);
+        if (!signature || !sizes)
+            return {};
+        header.width = std::int64_t{*sizes & side} + 1;
+        header.height = std::int64_t{*sizes >> 14 & side} + 1;
+        return header;
+    }
+    const bool frameTag = reader.take(6).has_value();
+    const auto width = reader.littleEndian(2);
+    const auto height = reader.littleEndian(2);
+    if (*chunk != "VP8 " || !frameTag || !width || !height)
+        return {};
+    header.width = *width & side;
+    header.height = *height & side;
+    return header;
+}
+
 MaybeHeader readExr(Reader reader, const std::string& name) {
     reader.take(8);
     std::optional<Header> header;
@@ -190,12 +231,14 @@ Header readHeader(std::span<const std::byte> bytes, const std::string& name) {
         header = readPng(Reader(text));
     else if (text.starts_with("\xFF\xD8\xFF"))
         header = readJpeg(Reader(text));
+    else if (text.starts_with("RIFF") && text.substr(0, 12).ends_with("WEBP"))
+        header = readWebp(Reader(text));
     else if (text.starts_with("\x76\x2F\x31\x01"))
         header = readExr(Reader(text), name);
     else if (text.starts_with("#?RADIANCE") || text.starts_with("#?RGBE"))
         header = readHdr(Reader(text));
     else
-        throw InputError(text.empty() ? "empty" : "not a PNG, JPEG, EXR or HDR picture", name);
+        throw InputError(text.empty() ? "empty" : "not a PNG, JPEG, WebP, EXR or HDR picture", name);
     if (!header)
         throw InputError("the picture is damaged or ends early", name);
     return *header;

@@ -275,10 +275,13 @@ std::vector<unsigned char> encodedJpeg(const Image8& image, int quality, const s
     return bytes;
 }
 
+ImageMetadata readMetadataFromMemory(std::span<const std::byte> bytes, const std::string& name) {
+    return metadataFrom(decode(bytes, name, [](Format) { return Depth::none; }).decoded.note);
+}
+
 ImageMetadata readMetadata(const fs::path& file) {
     const std::string bytes = contents(file);
-    return metadataFrom(
-        decode(bytesOf(bytes), file.string(), [](Format) { return Depth::none; }).decoded.note);
+    return readMetadataFromMemory(bytesOf(bytes), file.string());
 }
 
 void preloadImageIo() {

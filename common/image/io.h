@@ -10,7 +10,7 @@
 
 #include "image/image.h"
 
-/// Picture files. PNG, JPEG, EXR and Radiance HDR are read, PNG and EXR written, by OpenImageIO. That library
+/// Picture files. PNG, JPEG, WebP, EXR and Radiance HDR are read, PNG and EXR written, by OpenImageIO. That library
 /// is loaded at the first call that needs it and never otherwise.
 ///
 /// Files are not believed: the kind is told from the first bytes, never from the name; size and channels are
@@ -58,6 +58,8 @@ ImageKind imageKindOf(const std::filesystem::path& file);
 
 /// What `writeImage` was given; empty for pictures from elsewhere.
 ImageMetadata readMetadata(const std::filesystem::path& file);
+
+ImageMetadata readMetadataFromMemory(std::span<const std::byte> bytes, const std::string& name);
 
 /// Starts to load OpenImageIO (about a quarter of a second) on a thread of its own, so that a later read or
 /// write does not wait for it. Need not be called; more calls do nothing; a failure is reported by the later

@@ -102,6 +102,24 @@ struct Sweep {
     std::function<SweepSample(Studio&, const Frame&)> measure;
 };
 
+/// What an instructor can set on a lab (common/grade): the effects that pictures are held against, and the shader
+/// that a student is to write.
+struct Exercise {
+    /// Where the pictures with and without it differ, that is the effect: "the highlights", `specular` off.
+    struct Effect {
+        std::string name;
+        KnobValues without;  ///< the knobs that take it away; none: what the handout's shader lacks
+    };
+    KnobValues knobs;                    ///< of the picture that is asked for; others are as the lab has them
+    std::vector<Effect> effects;         ///< none: the lab's switches and choices, those that show
+    std::vector<std::string> freeKnobs;  ///< cost and smoothness: a picture may choose them
+    /// Relative to shaders/, with places marked `// task: …`, `// instead: …` and `// end of task`.
+    std::string shader;
+    /// Further settings, over `shaderKnobs`, in which a shader is looked at.
+    std::vector<KnobValues> scenes;
+    KnobValues shaderKnobs;  ///< with which the shader is drawn at all; over `knobs`
+};
+
 /// What a lab that plans its frames says of an effect: common/passes/frame_effects.h.
 struct EffectReport {
     std::string name;
@@ -181,6 +199,7 @@ class Lab {
     virtual std::vector<Question> questions() { return {}; }
     virtual std::vector<Sweep> sweeps() { return {}; }
     virtual std::vector<HardCase> hardCases() { return {}; }
+    virtual Exercise exercise() const { return {}; }
 
     /// The effects of the last frame, in and out; nothing from labs that draw all they have.
     virtual std::vector<EffectReport> effects() const { return {}; }

@@ -229,6 +229,18 @@ void TransformsLab::drawMarks(graph::PassContext& context, const Frame& frame, b
     glDrawArrays(GL_POINTS, first, chosenOnly ? 1 : marks_->count);
 }
 
+Exercise TransformsLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"where the boat is", {{"translate-x", "0"}, {"translate-z", "0"}}},
+                        {"the boat's heading", {{"heading", "0"}}},
+                        {"the boat's size", {{"scale-x", "1"}, {"scale-y", "1"}}}};
+    exercise.freeKnobs = {"supersample", "inverse", "precision"};
+    exercise.shader = "passes/phong.vert";
+    exercise.scenes = {{{"heading", "100"}}, {{"scale-z", "1.6"}, {"heel", "-20"}}};
+    exercise.shaderKnobs = {{"view", "picture"}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::TransformsLab)

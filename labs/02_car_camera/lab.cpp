@@ -310,6 +310,17 @@ std::vector<LabKey> CarCameraLab::keys() {
              }}};
 }
 
+Exercise CarCameraLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the shadows", {{"shadows", "off"}}},
+                        {"the car's heading", {{"heading", "25"}}},
+                        {"where the car is", {{"car-z", "-38"}, {"car-x", "3"}}}};
+    exercise.freeKnobs = {"supersample", "camera-relative"};
+    exercise.shader = "labs/02_car_camera/ground.frag";
+    exercise.scenes = {{{"heading", "40"}}, {{"view", "street"}}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::CarCameraLab)

@@ -31,6 +31,7 @@ class CarCameraLab final : public Lab {
     bool advance(double seconds, const HeldSeconds& held) override;
     std::vector<LabKey> keys() override;
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }

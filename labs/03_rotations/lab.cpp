@@ -376,6 +376,17 @@ void RotationsLab::drawSpeed(graph::PassContext& context, const Panel& panel, Me
         Labels::Anchor::bottomLeft, white, panel);
 }
 
+Exercise RotationsLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the gimbal's rings", {{"rings", "off"}}},
+                        {"the aeroplane's pose", {{"head", "0"}, {"pitch", "0"}, {"roll", "0"}}},
+                        {"the notes", {{"notes", "off"}}}};
+    exercise.freeKnobs = {"supersample"};
+    exercise.shader = "passes/phong.vert";
+    exercise.scenes = {{{"head", "60"}, {"pitch", "-20"}}, {{"view", "interpolation"}}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::RotationsLab)

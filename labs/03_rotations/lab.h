@@ -29,6 +29,7 @@ class RotationsLab final : public Lab {
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }

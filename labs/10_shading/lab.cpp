@@ -233,6 +233,17 @@ Lab::ReferenceJob ShadingLab::reference(const Frame& frame) const {
     };
 }
 
+Exercise ShadingLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the highlights", {{"specular", "off"}}},
+                        {"the diffuse light", {{"diffuse", "off"}}},
+                        {"where the light comes from", {{"light-turn", "50"}}}};
+    exercise.freeKnobs = {"supersample"};
+    exercise.shader = "passes/phong.frag";
+    exercise.scenes = {{{"light-turn", "70"}}, {{"reflection", "phong"}, {"shininess-scale", "0.3"}}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::ShadingLab)

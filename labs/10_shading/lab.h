@@ -33,6 +33,7 @@ class ShadingLab final : public Lab {
                         : "rays traced to the triangles, shaded in double at every pixel";
     }
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }

@@ -695,6 +695,17 @@ void TextureFilteringLab::drawTitles(graph::PassContext& context, const Frame& f
     labels_.draw(context, {frame.width, frame.height});
 }
 
+Exercise TextureFilteringLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the filters side by side", {{"compare", "off"}}},
+                        {"the texture", {{"pattern", "checker"}}},
+                        {"how often the texture repeats", {{"repeats", "0.3"}}}};
+    exercise.shader = "labs/12_texture_filtering/floor.frag";
+    exercise.scenes = {{{"pattern", "checker"}}, {{"lod-bias", "1"}}};
+    exercise.shaderKnobs = {{"compare", "off"}, {"minification", "trilinear"}, {"repeats", "2"}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::TextureFilteringLab)

@@ -40,6 +40,7 @@ class TextureFilteringLab final : public Lab {
         return "the mean of 256 samples a pixel; of the waves, their formula";
     }
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     /// "texels read" by the filters of floor and photo in OpenGL, as the specification has it; nothing where

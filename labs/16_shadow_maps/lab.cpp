@@ -187,6 +187,15 @@ std::function<TraceScene()> ShadowMapLab::exactScene() const {
     return [exact] { return TraceScene(exact); };
 }
 
+Exercise ShadowMapLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the shadows", {}}, {"where the shadows fall", {{"light-turn", "60"}}}};
+    exercise.freeKnobs = {"supersample"};
+    exercise.shader = "passes/phong_shadowed.frag";
+    exercise.scenes = {{{"light-turn", "80"}}, {{"light", "spot"}}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::ShadowMapLab)

@@ -32,6 +32,7 @@ class ShadowMapLab final : public Lab {
                         : "rays traced to the triangles and on to the light";
     }
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }

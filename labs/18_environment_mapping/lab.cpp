@@ -249,6 +249,17 @@ Lab::ReferenceJob EnvironmentMappingLab::reference(const Frame& frame) const {
     };
 }
 
+Exercise EnvironmentMappingLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"what is reflected", {}},
+                        {"the plane mirror", {{"reflector", "ball"}}},
+                        {"the solids", {{"solids", "off"}}}};
+    exercise.freeKnobs = {"supersample"};
+    exercise.shader = "labs/18_environment_mapping/mirror.frag";
+    exercise.scenes = {{{"turn", "90"}}, {{"box-projection", "on"}}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::EnvironmentMappingLab)

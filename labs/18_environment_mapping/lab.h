@@ -33,6 +33,7 @@ class EnvironmentMappingLab final : public Lab {
         return "rays traced to the exact mirrors and on to what they reflect, in double";
     }
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }

@@ -124,6 +124,17 @@ graph::Resource PostProcessingLab::build(graph::FrameGraph& graph, const Frame& 
     return picture;
 }
 
+Exercise PostProcessingLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {
+        {"the glow", {{"bloom", "0"}}}, {"the tone curve", {}}, {"the exposure", {{"exposure", "-1.5"}}}};
+    exercise.freeKnobs = {"supersample"};
+    exercise.shader = "passes/tone_map.frag";
+    exercise.scenes = {{{"exposure", "2.5"}}, {{"tone-map", "reinhard"}}};
+    exercise.shaderKnobs = {{"tone-map", "filmic"}, {"exposure", "1.5"}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::PostProcessingLab)

@@ -366,6 +366,18 @@ graph::Resource AccumulationLab::buildPostProcessed(graph::FrameGraph& graph, co
     return picture;
 }
 
+Exercise AccumulationLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the depth of field", {{"aperture", "0"}}},
+                        {"the soft shadows", {{"light-size", "0"}}},
+                        {"the motion blur", {{"shutter", "0"}}}};
+    exercise.freeKnobs = {"sum"};
+    exercise.shader = "passes/accumulate_add.frag";
+    exercise.scenes = {{{"time", "1"}}, {{"aperture", "0.3"}}};
+    exercise.shaderKnobs = {{"passes", "12"}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::AccumulationLab)

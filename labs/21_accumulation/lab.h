@@ -39,6 +39,7 @@ class AccumulationLab final : public Lab {
     std::vector<EffectReport> effects() const override;
     void leaveOut(const std::vector<std::string>& effects) override;
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }

@@ -275,6 +275,13 @@ void IntersectionsLab::addLegend(const Panel& panel, const Frame& frame) {
     }
 }
 
+Exercise IntersectionsLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the probe", {{"probe", "off"}}}, {"the shapes", {{"shape", "sphere"}}}};
+    exercise.freeKnobs = {"supersample"};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::IntersectionsLab)

@@ -23,6 +23,7 @@ class IntersectionsLab final : public Lab {
     Camera defaultCamera() const override;
     Bounds sceneBounds() const override;
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     /// Rays, and on a map the pixels where the method is wrong, by kind.

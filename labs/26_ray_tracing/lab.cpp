@@ -189,6 +189,15 @@ Lab::ReferenceJob RayTracingLab::reference(const Frame& frame) const {
     };
 }
 
+Exercise RayTracingLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"mirrors and glass", {{"max-depth", "0"}}},
+                        {"the sculpture", {{"sculpture", "union"}}},
+                        {"the half-shadows", {{"lamp-size", "0.05"}}}};
+    exercise.freeKnobs = {"structure", "shadow-cache", "mailboxes"};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::RayTracingLab)

@@ -24,6 +24,7 @@ class RayTracingLab final : public Lab {
     Camera defaultCamera() const override { return terraceCamera(); }
     Bounds sceneBounds() const override { return {{-4, 0, -3}, {4.5f, 3.2f, 3}}; }
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     /// What the last picture took: rays by kind, tests, cache hits.

@@ -265,6 +265,13 @@ void PathTracingLab::drawTerms(glm::vec2 at, float height, const EquationTerms& 
     }
 }
 
+Exercise PathTracingLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the terms of the equation", {{"terms", "off"}}},
+                        {"light that was scattered before", {{"bounces", "1"}}}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::PathTracingLab)

@@ -39,6 +39,7 @@ class PathTracingLab final : public Lab {
     ReferenceJob reference(const Frame& frame) const override;
     std::string referenceName() const override { return "the furnace's light in closed form"; }
     std::vector<Question> questions() override;
+    Exercise exercise() const override;
     std::vector<Sweep> sweeps() override;
     std::vector<HardCase> hardCases() override;
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }

@@ -257,6 +257,17 @@ std::vector<Sweep> FullFrameLab::sweeps() {
     return {effects, shadows};
 }
 
+Exercise FullFrameLab::exercise() const {
+    Exercise exercise;
+    exercise.effects = {{"the light on the materials", {}},
+                        {"the glow", {{"bloom", "0"}}},
+                        {"the exposure", {{"exposure", "-1"}}}};
+    exercise.freeKnobs = {"force"};
+    exercise.shader = "passes/frame_material.frag";
+    exercise.scenes = {{{"exposure", "1"}}, {{"time", "1"}}};
+    return exercise;
+}
+
 }  // namespace quincunx
 
 QUINCUNX_DEFINE_LAB(quincunx::FullFrameLab)

@@ -29,6 +29,7 @@ class FullFrameLab final : public Lab {
     void leaveOut(const std::vector<std::string>& effects) override;
     bool plansFiles() const override { return true; }
     std::vector<Sweep> sweeps() override;
+    Exercise exercise() const override;
     std::vector<HardCase> hardCases() override;
     std::map<std::string, std::uint64_t> counters() const override { return counters_; }
 

@@ -8,5 +8,8 @@
 invariant out vec4 color;
 
 void main() {
+    // task: Light the material: its own colour alone is what it would be under white light from everywhere.
     color = materialColor();
+    // instead: color = surfaceColor();
+    // end of task
 }

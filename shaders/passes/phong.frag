@@ -16,5 +16,8 @@ void main() {
     if (!gl_FrontFacing)
         normal = -normal;
 #endif
+    // task: Light this fragment: by its own normal, made unit length above, at its own place.
     color = textureShade(shade(positionWorld, normal), texcoord);
+    // instead: color = vec4(diffuse.rgb, 1.0);
+    // end of task
 }

@@ -13,7 +13,10 @@ out vec3 normalWorld;
 out vec2 texcoord;
 
 void main() {
+    // task: Carry the vertex from its model's own space into the world.
     vec4 position = worldFromModel * vec4(positionModel, 1.0);
+    // instead: vec4 position = vec4(positionModel, 1.0);
+    // end of task
     positionWorld = position.xyz;
     normalWorld = safeNormalize(worldNormalFromModel * normalModel);
     texcoord = texcoordIn;

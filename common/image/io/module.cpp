@@ -22,6 +22,8 @@ const char* name(Format format) {
             return "png";
         case Format::jpeg:
             return "jpeg";
+        case Format::webp:
+            return "webp";
         case Format::exr:
             return "openexr";
         case Format::hdr:

@@ -11,7 +11,7 @@
 /// as text, so that no exception crosses.
 namespace quincunx::imageio {
 
-enum class Format { png, jpeg, exr, hdr };
+enum class Format { png, jpeg, webp, exr, hdr };
 
 struct Decoded {
     Image8 codes;      ///< filled if `asked` was 8 bits
@@ -22,7 +22,7 @@ struct Decoded {
 enum class Depth { none, bits8, float32 };  ///< none: the note alone
 
 /// Version of this table: the library and the module must have been built from the same one.
-inline constexpr int tableVersion = 2;
+inline constexpr int tableVersion = 3;
 
 struct Table {
     int version = 0;

@@ -51,8 +51,13 @@ void main() {
     vec2 st = repeats * (eye.xz + reach * ray.xz);
     // The quotient rule, for ray.xz / ray.y.
     float scale = repeats * reach / ray.y;
+    // task: How far the place on the texture moves from this pixel to the next along x, and along y: the filter
+    // chooses its level by that.
     vec2 alongX = scale * (rayFromPixel[0].xz * ray.y - ray.xz * rayFromPixel[0].y);
     vec2 alongY = scale * (rayFromPixel[1].xz * ray.y - ray.xz * rayFromPixel[1].y);
+    // instead: vec2 alongX = vec2(0.0);
+    // instead: vec2 alongY = vec2(0.0);
+    // end of task
     // Beyond a few repeats the mean stays the same, and a filter that walks over all texels of a footprint ends.
     float covered = max(length(alongX), length(alongY));
     if (covered > mostRepeats) {

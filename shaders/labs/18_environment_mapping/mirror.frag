@@ -17,7 +17,10 @@ out vec4 color;
 
 void main() {
     vec3 n = safeNormalize(normalWorld);
+    // task: The direction in which a mirror with the normal n sends on what comes from the eye.
     vec3 reflected = reflectDirection(safeNormalize(positionWorld - eyeWorld.xyz), n);
+    // instead: vec3 reflected = n;
+    // end of task
 #ifdef SHOW_VECTORS
     color = vec4(0.5 + 0.5 * reflected, 1.0);
 #else

@@ -1,0 +1,105 @@
+// Shaders of students, drawn by processes that they may end.
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "grade/handout.h"
+#include "grade/views.h"
+#include "tests/common/grade/class_test.h"
+
+namespace quincunx::grade {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+class Shaders : public test::ClassTest {
+  protected:
+    std::string solution() { return solutionOf(lab_->exercise()); }
+    /// The solution with this in the place of its last statement but the end.
+    std::string with(const std::string& statement) {
+        std::string text = solution();
+        return text.insert(text.rfind('}'), statement + "\n");
+    }
+};
+
+TEST_F(Shaders, CostOnlyThemselves) {
+    submitText("solution/phong.frag", solution());
+    submitText("handout/phong.frag", handoutOf(solution(), "x").text);
+    submitText("renamed/my-phong (1).frag", solution());
+    submitText("syntax/phong.frag", with("colour = 1;"));
+    submitText("outside/phong.frag",
+               "#version 330 core\n#include \"../../../../etc/passwd\"\nvoid main() {}\n");
+    submitText("empty/phong.frag", "");
+    submitText("binary/phong.frag", std::string("#version 330 core\n\0\xff\xfe", 22));
+    // Too long for anyone: each pixel for ever, as far as the driver goes.
+    submitText("forever/phong.frag", with("int i = 0; while (i >= 0) { for (int k = 0; k < 1000000000; ++k) "
+                                          "{ i = (i * 7 + k) % 1000; if (i == -1) "
+                                          "return; color.r += sin(float(i)); } }"));
+    submitText("large/phong.frag", with("float many[1000000]; for (int i = 0; i < 1000000; ++i) many[i] = "
+                                        "float(i) * color.r; color.g = many[int(gl_FragCoord.x) * 1000];"));
+    Options graded = options();
+    graded.secondsEach = 4;
+    gradeClass(entry_, graded);
+    const auto records = recordsOf(graded);
+    EXPECT_EQ(records.at("solution").points(100), 100);
+    EXPECT_EQ(records.at("renamed").points(100), 100);
+    EXPECT_LE(records.at("handout").points(100), 30);
+    for (const char* broken : {"syntax", "outside", "empty", "binary", "forever"}) {
+        EXPECT_EQ(records.at(broken).points(100), 0) << broken;
+        EXPECT_FALSE(records.at(broken).reasons().empty()) << broken;
+    }
+    EXPECT_THAT(records.at("syntax").reasons(), Contains(HasSubstr("phong.frag:")));
+    EXPECT_THAT(records.at("outside").reasons(), Contains(HasSubstr("outside shaders/")));
+    EXPECT_THAT(records.at("forever").reasons(),
+                Contains(HasSubstr("its process was ended: it took more than 4 s of processor time")));
+    EXPECT_LT(records.at("large").points(100), 100);
+}
+
+TEST_F(Shaders, AndScreenshotsTogetherCountHalfEach) {
+    submit("ada/shot.png", {});
+    submitText("ada/phong.frag", handoutOf(solution(), "x").text);
+    gradeClass(entry_, options());
+    const Record record = recordsOf(options()).at("ada");
+    ASSERT_EQ(record.parts.size(), 2u);
+    EXPECT_DOUBLE_EQ(record.points(100), 50 * (1 + record.parts[1].share()));
+}
+
+TEST(HandoutsOfAllLabs, ScoreLowUntouchedAndFullWhenSolved) {
+    for (const LabEntry& entry : allLabs()) {
+        const Exercise exercise = entry.make()->exercise();
+        if (exercise.shader.empty())
+            continue;
+        const quincunx::test::TemporaryFolder folder;
+        const std::string name = std::filesystem::path(exercise.shader).filename().string();
+        folder.file("class/solution/" + name, solutionOf(exercise));
+        folder.file("class/handout/" + name, handoutOf(solutionOf(exercise), name).text);
+        Options options;
+        options.submissions = folder / "class";
+        options.out = folder / "out";
+        options.jobs = 2;
+        options.backend = gl::Backend::osmesa;
+        options.worker = {QUINCUNX_PROGRAM, "grade-worker"};
+        gradeClass(entry, options);
+        for (const auto& file : std::filesystem::directory_iterator(options.out / "journal")) {
+            if (file.path().filename() == "class.json")
+                continue;
+            const Record record = parseRecord(readFile(file.path(), 1 << 24), "record");
+            EXPECT_TRUE(record.faults.empty()) << entry.folder() << ' ' << record.faults.front();
+            std::printf("%-24s %-9s %6.1f\n", entry.folder().c_str(), record.student.c_str(),
+                        record.points(100));
+            // Seventy points are the task's own; what else there is in the pictures gives the rest in part.
+            if (record.student == "solution")
+                EXPECT_EQ(record.points(100), 100) << entry.folder();
+            else
+                EXPECT_LE(record.points(100), 40) << entry.folder();
+        }
+    }
+}
+
+}  // namespace
+}  // namespace quincunx::grade
