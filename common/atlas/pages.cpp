@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t mostReadmeBytes = 1 << 20;
-constexpr std::uintmax_t mostSourceBytes = 1 << 19;
+constexpr std::uintmax_t mostShownBytes = 1 << 19;
 
 constexpr std::string_view footer =
     "Made by quincunx atlas. Nothing on these pages is fetched; times hold for the machine they were "
@@ -282,7 +282,7 @@ int writeSourcePage(const Site& site, const LabResults& lab, const std::string& 
     view["folder"] = lab.folder;
     view["heading"] = headingOf(lab.name);
     view["path"] = path;
-    view["text"] = readFile(site.sources / path, mostSourceBytes);
+    view["text"] = readFile(site.sources / path, mostShownBytes);
     return web::writeIfChanged(site.folder / sourcePage(path), web::filledTemplate("source", view)) ? 1 : 0;
 }
 
