@@ -25,6 +25,35 @@ std::string gnuplotString(std::string_view text) {
     return result + "'";
 }
 
+/// Two lines as a double-quoted gnuplot string.
+std::string gnuplotLines(std::string_view first, std::string_view second) {
+    const auto escaped = [](std::string_view line) {
+        std::string text;
+        for (const char c : line) {
+            if (c == '"' || c == '\\')
+                text += '\\';
+            text += c == '\n' ? ' ' : c == '`' ? '\'' : c;  // gnuplot runs what stands between backquotes
+        }
+        return text;
+    };
+    return fmt::format("\"{}\\n{}\"", escaped(first), escaped(second));
+}
+
+/// Numbers at 2 and 5 in each decade, for an axis of few decades.
+std::string finerTics(char axis, double low, double high) {
+    constexpr double fewDecades = 100;
+    if (high / low > fewDecades)
+        return "";
+    std::vector<std::string> places;
+    const int firstDecade = static_cast<int>(std::floor(std::log10(low)));
+    const int lastDecade = static_cast<int>(std::floor(std::log10(high)));
+    for (int decade = firstDecade; decade <= lastDecade; ++decade)
+        for (const int digit : {2, 5})
+            if (const double place = digit * std::pow(10.0, decade); place >= low && place <= high)
+                places.push_back(fmt::format("{:g}", place));
+    return places.empty() ? "" : fmt::format("set {}tics add ({})\n", axis, fmt::join(places, ", "));
+}
+
 /// `text` as one double-quoted word of inline data.
 std::string dataWord(std::string_view text) {
     std::string result = "\"";
@@ -125,6 +154,8 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
         errors = {std::min(errors.first, error), std::max(errors.second, error)};
     }
     const std::string unit = result.errorUnit.empty() ? "" : fmt::format(" ({})", result.errorUnit);
+    const std::pair<double, double> xRange{times.first / 1.5, times.second * 2.2};
+    const std::pair<double, double> yRange{errors.first / 1.6, errors.second * 2.0};
     text += fmt::format(
         "set terminal svg size 960,640 dynamic noenhanced font 'DejaVu Sans,13' background '#ffffff'\n"
         "set output {}\n"
@@ -135,14 +166,16 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
         "set label {} at screen 0.01,0.015 left font ',9' tc rgb '#666666'\n"
         "set logscale xy\nset format x '%g'\nset format y '%g'\n"
         "set xrange [{:g}:{:g}]\nset yrange [{:g}:{:g}]\n"
+        "{}{}"
         "set grid lc rgb '#dddddd'\nset border 3 lc rgb '#444444'\nset tics nomirror\n"
         "set key top right title {} font ',11'\nset bmargin 4.5\n"
         "plot {}\n",
         gnuplotString(output.string()), gnuplotString(fmt::format("{}: {}", result.lab, result.title)),
-        gnuplotString(fmt::format("{}{} against {}", result.metric, unit, result.reference)),
+        gnuplotLines(fmt::format("{}{}", result.metric, unit), fmt::format("against {}", result.reference)),
         gnuplotString(fmt::format("measured on {}", result.renderer)), gnuplotString(legend(result)),
-        times.first / 1.5, times.second * 2.2, errors.first / 1.6, errors.second * 2.0,
-        gnuplotString(result.points.front().knobs.front().first), fmt::join(plots, ", \\\n"));
+        xRange.first, xRange.second, yRange.first, yRange.second, finerTics('x', xRange.first, xRange.second),
+        finerTics('y', yRange.first, yRange.second), gnuplotString(result.points.front().knobs.front().first),
+        fmt::join(plots, ", \\\n"));
     return text;
 }
 

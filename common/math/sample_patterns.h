@@ -67,6 +67,17 @@ float radicalInverseNaive(std::uint32_t base, std::uint32_t index);
 /// less than `mostSampleDimensions`. The first 2^k points have one number in each of the 2^k intervals.
 std::uint32_t sobol(std::uint32_t index, int dimension);
 
+/// The second dimension's number from the first one's: sobol(i, 1) of sobol(i, 0), in five steps. The
+/// generator matrix is Pascal's triangle modulo 2, whose entry (j, i) is 1 where the digits of i hold those
+/// of j (Lucas), so that it is a product of one step for each digit.
+inline std::uint32_t secondSobolOfFirst(std::uint32_t first) {
+    first ^= first << 1 & 0xaaaaaaaau;
+    first ^= first << 2 & 0xccccccccu;
+    first ^= first << 4 & 0xf0f0f0f0u;
+    first ^= first << 8 & 0xff00ff00u;
+    return first ^ (first << 16 & 0xffff0000u);
+}
+
 /// Each bit turned over or not, by what the bits above it are: points that are evenly spread stay so (Owen
 /// 1995). A bijection for every seed.
 std::uint32_t owenScrambled(std::uint32_t bits, std::uint64_t seed);

@@ -132,11 +132,15 @@ gl::ProgramFiles depthProgram(MaterialFeatures features) {
 }
 
 std::vector<VertexExtras> extrasOf(const Scene& scene) {
-    std::vector<VertexExtras> extras(scene.meshes.size());
+    std::vector<VertexExtras> extras(scene.meshes.size(), {.texcoords = false});
     for (const Instance& instance : scene.instances) {
         const Material& material = scene.materials[instance.material];
         const MaterialFeatures features = featuresOf(material, scene.meshes[instance.mesh]);
         VertexExtras& extra = extras[instance.mesh];
+        // What a factor of 0 multiplies away today may count tomorrow.
+        extra.texcoords = extra.texcoords || std::any_of(slots.begin(), slots.end(), [&](const Slot& slot) {
+                              return (material.*slot.use).has_value();
+                          });
         extra.texcoords1 = extra.texcoords1 || features.has(MaterialFeature::secondTexcoords);
         extra.colors = extra.colors || features.has(MaterialFeature::vertexColors);
         if (features.has(MaterialFeature::normalMap) && !extra.tangentsFor)

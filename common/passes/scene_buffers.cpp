@@ -43,8 +43,7 @@ std::optional<Mesh> withTangents(const Mesh& mesh, const VertexExtras& extras) {
     return result;
 }
 
-/// The floats of one mesh's vertices: position, normal, texture coordinates, and the extras in the order of
-/// their locations.
+/// The floats of one mesh's vertices: position, normal, and the extras in the order of their locations.
 void appendVertices(const Mesh& mesh, const VertexExtras& extras, std::vector<float>& floats) {
     const auto append = [&floats](const auto& values, std::size_t i, auto otherwise) {
         const auto value = values.empty() ? otherwise : values[i];
@@ -54,7 +53,8 @@ void appendVertices(const Mesh& mesh, const VertexExtras& extras, std::vector<fl
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         append(mesh.positions, i, glm::vec3(0));
         append(mesh.normals, i, glm::vec3(0));
-        append(mesh.texcoords, i, glm::vec2(0));
+        if (extras.texcoords)
+            append(mesh.texcoords, i, glm::vec2(0));
         if (extras.texcoords1)
             append(mesh.texcoords1, i, glm::vec2(0));
         if (extras.tangentsFor)
@@ -194,7 +194,8 @@ MeshBuffers::MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<Vert
     std::vector<std::uint32_t>& indices = indexCopy_;
     for (std::size_t m = 0; m < meshes.size(); ++m) {
         const auto fits = [&](const Contents& store) {
-            return store.extras.texcoords1 == extras[m].texcoords1 &&
+            return store.extras.texcoords == extras[m].texcoords &&
+                   store.extras.texcoords1 == extras[m].texcoords1 &&
                    store.extras.colors == extras[m].colors &&
                    store.extras.tangentsFor.has_value() == extras[m].tangentsFor.has_value();
         };
@@ -229,7 +230,9 @@ void MeshBuffers::attach(const Store& store, gl::VertexArray& vertexArray) {
         GLuint location;
         GLint components;
     };
-    std::vector<Attribute> attributes = {{positionLocation, 3}, {normalLocation, 3}, {texcoordLocation, 2}};
+    std::vector<Attribute> attributes = {{positionLocation, 3}, {normalLocation, 3}};
+    if (store.extras.texcoords)
+        attributes.push_back({texcoordLocation, 2});
     if (store.extras.texcoords1)
         attributes.push_back({texcoord1Location, 2});
     if (store.extras.tangentsFor)

@@ -78,8 +78,9 @@ class FrameUniforms {
 /// A texture with its wraps and filters. Images that a driver cannot hold are an InputError.
 gl::Texture2D makeTexture(const Texture& texture);
 
-/// Attributes that vertices have besides position, normal and texture coordinates.
+/// Attributes that vertices have besides position and normal.
 struct VertexExtras {
+    bool texcoords = true;
     bool texcoords1 = false;
     bool colors = false;
     /// Tangents, made for this map where the mesh has none.
@@ -99,7 +100,7 @@ class MeshBuffers {
     static constexpr GLuint colorLocation = 6;
 
     /// `extras` has one entry a mesh; attributes that a mesh lacks are sent as 0 where they are asked for,
-    /// and colours as white.
+    /// and colours as white. What is not asked for reads as 0, too.
     MeshBuffers(const std::vector<Mesh>& meshes, const std::vector<VertexExtras>& extras);
 
     /// Binds the vertex array that holds a mesh; then `draw` it with the program in use.

@@ -181,12 +181,25 @@ float jitterCellNaive(std::uint32_t cell, std::uint32_t cells, float u) {
     return (static_cast<float>(cell) + u) / static_cast<float>(cells);
 }
 
+namespace {
+
+/// The first dimension's number of a shuffled index: its bits reversed.
+std::uint32_t shuffledFirst(std::uint32_t index, std::uint32_t seed) {
+    return permutedFromBelow(reversedBits(index), seed ^ 0x5bd1e995u);
+}
+
+}  // namespace
+
+float PathSampler::sobolNumber(std::uint32_t index, std::uint64_t hash) {
+    const auto high = static_cast<std::uint32_t>(hash >> 32);
+    return unitFloat(hashScrambled(shuffledFirst(index, high), high));
+}
+
 glm::vec2 PathSampler::sobolPoint(std::uint32_t index, std::uint64_t hash) {
     const auto high = static_cast<std::uint32_t>(hash >> 32);
     const auto low = static_cast<std::uint32_t>(hash);
-    const std::uint32_t shuffled = hashScrambled(index, high ^ 0x5bd1e995u);
-    return {unitFloat(hashScrambled(reversedBits(shuffled), high)),
-            unitFloat(hashScrambled(sobol(shuffled, 1), low))};
+    const std::uint32_t first = shuffledFirst(index, high);
+    return {unitFloat(hashScrambled(first, high)), unitFloat(hashScrambled(secondSobolOfFirst(first), low))};
 }
 
 }  // namespace quincunx

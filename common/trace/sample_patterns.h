@@ -68,7 +68,7 @@ class PathSampler {
     float next() {
         const std::uint64_t bits = advance();
         return kind_ == Kind::independent ? unitFloat(static_cast<std::uint32_t>(bits >> 32))
-                                          : sobolPoint(sample_, bits).x;
+                                          : sobolNumber(sample_, bits);
     }
     glm::vec2 next2() {
         const std::uint64_t bits = advance();
@@ -85,6 +85,7 @@ class PathSampler {
         state_ += 0x9e3779b97f4a7c15u;
         return random.bits();
     }
+    static float sobolNumber(std::uint32_t index, std::uint64_t hash);  ///< the first of sobolPoint
     static glm::vec2 sobolPoint(std::uint32_t index, std::uint64_t hash);
 
     std::uint64_t state_;

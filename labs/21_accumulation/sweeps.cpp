@@ -1,10 +1,12 @@
 #include <array>
+#include <cmath>
 #include <memory>
 #include <span>
 
 #include <fmt/format.h>
 
 #include "base/interrupt.h"
+#include "gl/objects.h"
 #include "image/compare.h"
 #include "labs/21_accumulation/measure.h"
 
@@ -66,6 +68,38 @@ Sweep ofEdge(AccumulationLab& lab, const std::string& subject, std::string title
     return sweep;
 }
 
+/// Equal frames of one pixel, up to those of three quarters of an hour of film: what is left of their mean.
+Sweep ofFrames(AccumulationLab& lab) {
+    Sweep sweep;
+    sweep.name = "frames";
+    sweep.title = "up to 65 536 equal frames: sums that stand still, drift, and stay";
+    sweep.reference = "what each frame shows";
+    sweep.metric = "relative error";
+    sweep.errorUnit = "of the mean";
+    sweep.width = 1;
+    sweep.height = 1;
+    for (const auto& [sum, kept] :
+         {std::pair("weighted", "rgba8"), std::pair("weighted", "rgba16f"), std::pair("weighted", "rgba32f"),
+          std::pair("running-mean", "rgba32f"), std::pair("compensated", "rgba32f")})
+        for (const char* count : {"64", "512", "4096", "32768", "65536"})
+            sweep.points.push_back({{"sum", sum}, {"buffer", kept}, {"passes", count}});
+    sweep.measure = [&lab](Studio& studio, const Frame&) {
+        constexpr float grey = 0.7f;
+        const Accumulator::Params params{.summation = lab.summation.as<Summation>(),
+                                         .buffer = lab.buffer.as<AccumulationBuffer>(),
+                                         .passes = static_cast<std::size_t>(static_cast<int>(lab.passes))};
+        throwIfInterrupted();
+        studio.context();
+        SweepSample sample;
+        double mean = 0;
+        sample.seconds = gl::secondsOf([&] { mean = meanOfSameFrames(studio, params, grey); });
+        sample.error = std::abs(mean / static_cast<double>(grey) - 1);
+        sample.counters["frames"] = params.passes;
+        return sample;
+    };
+    return sweep;
+}
+
 }  // namespace
 
 std::vector<Sweep> AccumulationLab::sweeps() {
@@ -92,6 +126,8 @@ std::vector<Sweep> AccumulationLab::sweeps() {
             buffers.points.push_back(
                 {{"buffer", kept}, {"sum", sum}, {"passes", count}, {"subject", "moving-edge"}});
     sweeps.push_back(std::move(buffers));
+
+    sweeps.push_back(ofFrames(*this));
 
     const auto compare = [&](const char* name, const char* title, const KnobValues& off) {
         Sweep sweep = againstConverged(*this, name, title, off);

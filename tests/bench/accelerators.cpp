@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -340,6 +341,35 @@ void countGaps(std::size_t rays) {
                     100 * static_cast<double>(missed[i]) / static_cast<double>(rays), millions / seconds[i]);
 }
 
+/// How many times faster two threads are than one, each with half of the rays, by the clock on the wall: what
+/// others do on the machine counts.
+double gainOfTwoThreads(const std::function<std::uint64_t(const RaySet&)>& trace, const RaySet& set,
+                        int repeats) {
+    std::array<RaySet, 2> halves = {set, set};
+    const auto middle = static_cast<std::ptrdiff_t>(set.rays.size() / 2048 * 1024);
+    halves[0].rays.resize(static_cast<std::size_t>(middle));
+    halves[1].rays.erase(halves[1].rays.begin(), halves[1].rays.begin() + middle);
+    const auto secondsOf = [](const auto& work) {
+        const auto start = std::chrono::steady_clock::now();
+        work();
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    std::vector<double> gains;
+    for (int i = 0; i < repeats; ++i) {
+        const double one = secondsOf([&] {
+            for (const RaySet& half : halves)
+                trace(half);
+        });
+        const double two = secondsOf([&] {
+            std::thread other([&] { trace(halves[1]); });
+            trace(halves[0]);
+            other.join();
+        });
+        gains.push_back(one / two);
+    }
+    return median(gains);
+}
+
 struct Contender {
     const char* name;
     std::function<std::uint64_t(const RaySet&)> trace;
@@ -412,6 +442,11 @@ void measure(const Model& model, int repeats, const std::string& only) {
             speed[0] / speed[3], packed ? speed[1] / speed[5] : 0, speed[0] / speed[2], perRay(counts.nodes),
             perRay(counts.triangles), static_cast<unsigned long long>(contenders[0].hits),
             static_cast<unsigned long long>(contenders[3].hits));
+        std::printf("            two threads, times one:");
+        for (const Contender& contender : contenders)
+            if (contender.hits != 0)
+                std::printf("  %s %.2f", contender.name, gainOfTwoThreads(contender.trace, set, repeats));
+        std::printf("\n");
     }
 }
 

@@ -346,7 +346,8 @@ void compare(const char* name, const PathSet& set, int width, int height, int pl
     const PathScene paths(traced, set.model);
     RenderSettings settings{
         .width = width, .height = height, .camera = set.scene.cameras[0], .method = method};
-    settings.limits.maxBounces = 50;
+    // Later roulette: longer paths, but fewer of them for the same error.
+    settings.limits = {.maxBounces = 50, .rouletteThreshold = 0.1f};
     settings.seed = 11;
     ProgressiveRender reference(paths, settings);
     reference.addSamples(8 * plainSamples);

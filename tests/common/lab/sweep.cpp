@@ -123,8 +123,8 @@ TEST(Plot, NamesTheTimeAndTheErrorAndLabelsThePoints) {
     const std::string svg = readFile(file, 1 << 20);
     std::filesystem::remove(file);
     // Of a sweep that draws no frames, too.
-    for (const char* words :
-         {"99_lab: what it trades", ">time (ms)<", "RMSE against the truth", "a renderer"})
+    for (const char* words : {"99_lab: what it trades", ">time (ms)<", ">2000<", ">5<", "RMSE<",
+                              "against the truth", "a renderer"})
         EXPECT_NE(svg.find(words), std::string::npos) << words;
 }
 

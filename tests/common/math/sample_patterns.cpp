@@ -61,6 +61,15 @@ TEST(SamplePatterns, GridsHaveOnePointInEachCellOfEachGroup) {
         }
 }
 
+TEST(SamplePatterns, SobolsSecondDimensionFollowsFromTheFirst) {
+    Random random(9);
+    for (int i = 0; i < 20000; ++i) {
+        const auto index =
+            i < 64 ? (i < 32 ? 1u << i : ~0u >> (i - 32)) : static_cast<std::uint32_t>(random.bits());
+        ASSERT_EQ(secondSobolOfFirst(sobol(index, 0)), sobol(index, 1)) << index;
+    }
+}
+
 TEST(SamplePatterns, SobolPointsFillEveryElementaryBoxOnce) {
     // The first two dimensions are a (0, 2)-sequence: of 2^k points each of the 2^k boxes of any shape has
     // one, scrambled or not.
