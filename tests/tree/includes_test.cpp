@@ -39,7 +39,7 @@ const std::map<std::string, std::set<std::string>> mayInclude = {
     {"web", {"base", "math", "image"}},
     {"lab", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace"}},
     {"atlas", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab"}},
-    {"cli", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab"}},
+    {"cli", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab", "atlas"}},
     {"labs", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "passes", "lab"}},
 };
 
