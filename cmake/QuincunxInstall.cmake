@@ -4,6 +4,8 @@
 include(CMakePackageConfigHelpers)
 
 install(DIRECTORY shaders data web DESTINATION ${CMAKE_INSTALL_DATADIR}/quincunx)
+# What the pages of the atlas quote of them.
+install(DIRECTORY labs DESTINATION ${CMAKE_INSTALL_DATADIR}/quincunx FILES_MATCHING PATTERN "README.md")
 
 # Libraries of `folder` and below, which is what those who link to one of them need at link time.
 function(quincunx_libraries_below folder out)

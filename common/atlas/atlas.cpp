@@ -33,8 +33,10 @@ constexpr std::array<std::string_view, 4> scripts = {"d3.min.js", "charts.js", "
 struct Work {
     const LabEntry* entry = nullptr;
     std::unique_ptr<Store> store;
-    std::string madeOf;
+    std::string fingerprint;  ///< of the lab
     std::vector<Task> tasks;
+
+    std::string madeOf(const Task& task) const { return Digest().add(fingerprint).add(task.settings).text(); }
 };
 
 bool isChosen(const LabEntry& entry, const std::vector<std::string>& names) {
@@ -45,7 +47,7 @@ bool isChosen(const LabEntry& entry, const std::vector<std::string>& names) {
 Work workOn(const LabEntry& entry, const SurveyOptions& options, const fs::path& folder) {
     const std::unique_ptr<Lab> lab = entry.make();
     Work work{&entry, std::make_unique<Store>(folder / "labs" / entry.folder()), {}, {}};
-    work.madeOf = Digest().add(labFingerprint(entry, *lab)).add(options.text()).text();
+    work.fingerprint = labFingerprint(entry, *lab);
     work.tasks = surveyOf(entry, options, *work.store);
     return work;
 }
@@ -93,7 +95,7 @@ ExitStatus makeAtlas(std::span<const LabEntry> labs, const AtlasOptions& options
         if (isChosen(entry, options.labs)) {
             works.push_back(workOn(entry, survey, site.folder));
             for (const Task& task : works.back().tasks)
-                total += works.back().store->has(task.name, works.back().madeOf) ? 0 : task.effort;
+                total += works.back().store->has(task.name, works.back().madeOf(task)) ? 0 : task.effort;
         }
 
     Progress progress("atlas", std::max<std::size_t>(total, 1));
@@ -114,8 +116,8 @@ ExitStatus makeAtlas(std::span<const LabEntry> labs, const AtlasOptions& options
                            {}};
         for (const Task& task : work.tasks) {
             progress.note(fmt::format("{} {}", results.folder, task.name));
-            const bool there = work.store->has(task.name, work.madeOf);
-            place(results, task.name, work.store->get(task.name, work.madeOf, task.make));
+            const bool there = work.store->has(task.name, work.madeOf(task));
+            place(results, task.name, work.store->get(task.name, work.madeOf(task), task.make));
             done += there ? 0 : task.effort;
             progress.update(done);
         }

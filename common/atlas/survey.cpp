@@ -33,10 +33,6 @@ constexpr int heroQuality = 90;
 constexpr int planWidth = 640;
 constexpr int planHeight = 480;
 
-/// Further values of a number are left out where a picture took longer: the next one may take many times as
-/// long.
-constexpr double patienceSeconds = 1;
-
 /// A lab with what draws it, made at the first use.
 class Drawer {
   public:
@@ -141,6 +137,12 @@ std::vector<std::size_t> drawingOrder(std::size_t count, std::size_t start) {
     return order;
 }
 
+/// How much longer the picture of `value` would take than that of `from`, if its time grew with the value.
+double growth(const std::string& from, const std::string& value) {
+    const double start = std::abs(std::stod(from));
+    return start > 0 ? std::max(1.0, std::abs(std::stod(value)) / start) : 1;
+}
+
 Piece knobPiece(const std::string& name, Drawer& drawer, const SurveyOptions& options, const Store& store) {
     Lab& lab = drawer.lab();
     const KnobScope scope(lab.knobs());
@@ -161,13 +163,16 @@ Piece knobPiece(const std::string& name, Drawer& drawer, const SurveyOptions& op
     const auto start = static_cast<std::size_t>(std::find(values.begin(), values.end(), knob.defaultText()) -
                                                 values.begin());
     std::vector<std::optional<Image8>> pictures(values.size());
-    bool slow = false;
+    double startSeconds = 0;
+    double lastSeconds = 0;
     for (const std::size_t i : drawingOrder(values.size(), start)) {
         throwIfInterrupted();
         if (i == start + 1)
-            slow = false;  // the other way from here
-        if (slow) {
+            lastSeconds = startSeconds;  // the other way from here
+        if (isNumber && i != start &&
+            lastSeconds * growth(values[i > start ? i - 1 : i + 1], values[i]) > options.patienceSeconds) {
             result["slow"] = true;
+            lastSeconds = HUGE_VAL;
             continue;
         }
         knob.parse(values[i]);
@@ -181,7 +186,9 @@ Piece knobPiece(const std::string& name, Drawer& drawer, const SurveyOptions& op
             result["refused"].push_back({{"value", values[i]}, {"why", e.what()}});
             continue;
         }
-        slow = isNumber && i != start && drawer.studio().pictureSeconds() > patienceSeconds;
+        lastSeconds = drawer.studio().pictureSeconds();
+        if (i == start)
+            startSeconds = lastSeconds;
     }
     const Image8& before = *pictures[start];
     const auto drawn = std::count_if(pictures.begin(), pictures.end(),
@@ -248,11 +255,6 @@ Piece heroPiece(Drawer& drawer, const Store& store) {
 
 }  // namespace
 
-std::string SurveyOptions::text() const {
-    return fmt::format("{} {}x{} {} {} {} {}", gl::backendName(backend), pictureWidth, pictureHeight, steps,
-                       sweepScale, planFrames, stressInputs);
-}
-
 SurveyOptions quickSurvey(gl::Backend backend) {
     return {.backend = backend, .stressInputs = quickStressInputs};
 }
@@ -260,6 +262,7 @@ SurveyOptions quickSurvey(gl::Backend backend) {
 SurveyOptions fullSurvey(gl::Backend backend) {
     return {.backend = backend,
             .steps = 2,
+            .patienceSeconds = 4,
             .sweepScale = 1,
             .planFrames = 12,
             .stressInputs = 10 * quickStressInputs};
@@ -283,23 +286,28 @@ std::vector<std::string> valuesToShow(Knob& knob, int steps) {
 std::vector<Task> surveyOf(const LabEntry& entry, const SurveyOptions& options, const Store& store) {
     const auto pictures = std::make_shared<Drawer>(entry, options.backend);
     const auto answers = std::make_shared<Drawer>(entry, options.backend);
+    const std::string backend(gl::backendName(options.backend));
     std::vector<Task> tasks;
-    tasks.push_back({"picture", 1, [pictures, &store] { return heroPiece(*pictures, store); }});
+    tasks.push_back({"picture", backend, 1, [pictures, &store] { return heroPiece(*pictures, store); }});
     Lab& lab = pictures->lab();
     for (const Knob* knob : lab.knobs().all())
-        tasks.push_back({"knob_" + knob->name(), 1, [name = knob->name(), pictures, options, &store] {
+        tasks.push_back({"knob_" + knob->name(),
+                         fmt::format("{} {}x{} {} {}", backend, options.pictureWidth, options.pictureHeight,
+                                     options.steps, options.patienceSeconds),
+                         1, [name = knob->name(), pictures, options, &store] {
                              return knobPiece(name, *pictures, options, store);
                          }});
     const std::vector<Sweep> sweeps = lab.sweeps();
     for (std::size_t i = 0; i < sweeps.size(); ++i)
-        tasks.push_back({"sweep_" + sweeps[i].name, sweeps[i].points.size(),
+        tasks.push_back({"sweep_" + sweeps[i].name, fmt::format("{} {}", backend, options.sweepScale),
+                         sweeps[i].points.size(),
                          [i, entry, options, &store] { return sweepPiece(i, entry, options, store); }});
-    tasks.push_back({"stress", 1, [entry, options] {
+    tasks.push_back({"stress", fmt::format("{}", options.stressInputs), 1, [entry, options] {
                          const std::unique_ptr<Lab> own = entry.make();
                          constexpr std::uint64_t seed = 1;
                          return Piece{toJson(runStress(*own, entry, options.stressInputs, seed)), {}};
                      }});
-    tasks.push_back({"plan", 2, [entry, options] {
+    tasks.push_back({"plan", fmt::format("{} {}", backend, options.planFrames), 2, [entry, options] {
                          Drawer drawer(entry, options.backend);
                          const Frame frame = drawer.studio().frame(drawer.lab(), planWidth, planHeight);
                          return Piece{toJson(planFrame(drawer.lab(), entry, entry.folder(), drawer.studio(),
@@ -308,7 +316,7 @@ std::vector<Task> surveyOf(const LabEntry& entry, const SurveyOptions& options, 
                      }});
     const std::vector<Question> questions = answers->lab().questions();
     for (std::size_t i = 0; i < questions.size(); ++i)
-        tasks.push_back({fmt::format("question_{}", questions[i].number), 1, [i, entry, answers] {
+        tasks.push_back({fmt::format("question_{}", questions[i].number), backend, 1, [i, entry, answers] {
                              const std::vector<Question> all = answers->lab().questions();
                              return Piece{toJson(answerQuestion(entry, all[i], answers->studio())), {}};
                          }});

@@ -17,11 +17,11 @@ struct SurveyOptions {
     int pictureWidth = 400;   ///< pixels, of the pictures of settings
     int pictureHeight = 300;  ///< pixels
     int steps = 1;            ///< values of a number on either side of its default
-    double sweepScale = 0.5;  ///< of the sizes that sweeps ask for
-    int planFrames = 4;       ///< that each variant of the plan is timed over
+    /// Values of a number are left out whose picture would take longer, were its time to grow with the value.
+    double patienceSeconds = 1;
+    double sweepScale = 0.4;  ///< of the sizes that sweeps ask for
+    int planFrames = 2;       ///< that each variant of the plan is timed over
     std::uint64_t stressInputs = 0;
-
-    std::string text() const;  ///< all that results depend on
 };
 
 SurveyOptions quickSurvey(gl::Backend backend);
@@ -30,6 +30,7 @@ SurveyOptions fullSurvey(gl::Backend backend);
 /// One result of a lab: a picture, a knob, a sweep …
 struct Task {
     std::string name;        ///< of the piece in the store
+    std::string settings;    ///< all of the options that its result depends on
     std::size_t effort = 1;  ///< against that of other tasks, a guess
     std::function<Piece()> make;
 };
