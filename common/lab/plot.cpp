@@ -69,6 +69,14 @@ bool isConstant(const SweepResult& result, std::size_t index) {
     });
 }
 
+/// How many knobs two points have different values of.
+std::size_t changedKnobs(const SweepPoint& a, const SweepPoint& b) {
+    std::size_t changed = 0;
+    for (std::size_t i = 0; i < a.knobs.size(); ++i)
+        changed += a.knobs[i] != b.knobs[i] ? 1 : 0;
+    return changed;
+}
+
 /// The values of the knobs that vary, but for the first, whose value is the colour.
 std::string labelOf(const SweepResult& result, const SweepPoint& point) {
     std::vector<std::string> values;
@@ -133,9 +141,15 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
 
     for (std::size_t i = 0; i < series.size(); ++i) {
         text += fmt::format("$series{} << EOD\n", i);
-        for (const SweepPoint& point : result.points)
-            if (point.knobs.front().second == series[i])
-                text += row(point);
+        const SweepPoint* last = nullptr;
+        for (const SweepPoint& point : result.points) {
+            if (point.knobs.front().second != series[i])
+                continue;
+            if (last != nullptr && changedKnobs(*last, point) > 1)
+                text += "\n";  // another line of the same colour
+            text += row(point);
+            last = &point;
+        }
         text += "EOD\n";
         const char* colour = colours[i % colours.size()];
         plots.push_back(
@@ -168,7 +182,7 @@ std::string script(const SweepResult& result, const std::filesystem::path& outpu
         "set xrange [{:g}:{:g}]\nset yrange [{:g}:{:g}]\n"
         "{}{}"
         "set grid lc rgb '#dddddd'\nset border 3 lc rgb '#444444'\nset tics nomirror\n"
-        "set key top right title {} font ',11'\nset bmargin 4.5\n"
+        "set key outside top right title {} font ',11'\nset bmargin 4.5\n"
         "plot {}\n",
         gnuplotString(output.string()), gnuplotString(fmt::format("{}: {}", result.lab, result.title)),
         gnuplotLines(fmt::format("{}{}", result.metric, unit), fmt::format("against {}", result.reference)),

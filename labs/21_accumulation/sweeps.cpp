@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -89,7 +90,9 @@ Sweep ofFrames(AccumulationLab& lab) {
                                          .buffer = lab.buffer.as<AccumulationBuffer>(),
                                          .passes = static_cast<std::size_t>(static_cast<int>(lab.passes))};
         throwIfInterrupted();
-        studio.context();
+        Accumulator::Params few = params;
+        few.passes = std::min<std::size_t>(params.passes, 64);
+        meanOfSameFrames(studio, few, grey);  // programs are finished at their first use
         SweepSample sample;
         double mean = 0;
         sample.seconds = gl::secondsOf([&] { mean = meanOfSameFrames(studio, params, grey); });

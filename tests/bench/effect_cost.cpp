@@ -19,9 +19,9 @@ namespace {
 
 using namespace quincunx;
 
-constexpr int width = 320;
-constexpr int height = 240;
-constexpr int frames = 25;
+constexpr int width = 160;
+constexpr int height = 120;
+constexpr int frames = 15;
 
 /// What a call prints.
 template <typename Call>
