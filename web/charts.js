@@ -13,7 +13,16 @@
      */
 
     const d3 = /** @type {any} */ (window).d3;
-    const size = {width: 620, height: 400, left: 68, right: 16, top: 14, bottom: 50};
+
+    /**
+     * Units of the drawing: as many as there are pixels where that is little, so that letters stay readable.
+     * @param {number} pixels
+     */
+    function sizeFor(pixels) {
+        const width = Math.min(620, Math.max(320, pixels || 620));
+        return {width, height: 120 + .45 * width, left: 68, right: 16, top: 14, bottom: 50};
+    }
+
     const shapes = ["circle", "square", "diamond", "triangle-up", "cross", "triangle-down"];
 
     /** @param {number} value */
@@ -67,6 +76,8 @@
         const positive = errors.filter((error) => error > 0);
         if (points.length === 0)
             return;
+        const plot = d3.select(root).append("div").attr("class", "chart-plot");
+        const size = sizeFor(plot.node().clientWidth);
         // Zero has no place on a logarithmic axis: it is drawn below all others, and labelled so.
         const least = positive.length > 0 ? Math.min(...positive) : 1e-6;
         const floor = least / 4;
@@ -87,7 +98,6 @@
         const settingOf = (/** @type {Point} */ point) =>
             varying.map((name) => `${name} ${point.knobs[name]}`).join(", ");
 
-        const plot = d3.select(root).append("div").attr("class", "chart-plot");
         const unit = sweep.error_unit ? ` (${sweep.error_unit})` : "";
         const svg = plot.append("svg").attr("viewBox", `0 0 ${size.width} ${size.height}`)
             .attr("role", "group").attr("aria-label", `${sweep.heading}: ${sweep.title}. ${sweep.metric} against time.`);

@@ -213,9 +213,10 @@ Piece sweepPiece(std::size_t index, const LabEntry& entry, const SurveyOptions& 
     Drawer drawer(entry, options.backend);
     Lab& lab = drawer.lab();
     const Sweep sweep = lab.sweeps()[index];
-    const auto side = [&](int pixels) {
-        return std::max(16, static_cast<int>(std::lround(pixels * options.sweepScale)));
-    };
+    // What is small already is small for a reason.
+    constexpr double leastWidth = 160;
+    const double scale = std::max(options.sweepScale, std::min(1.0, leastWidth / sweep.width));
+    const auto side = [&](int pixels) { return static_cast<int>(std::lround(pixels * scale)); };
     const Frame frame = drawer.studio().frame(lab, side(sweep.width), side(sweep.height));
     const SweepResult measured = runSweep(lab, entry, sweep, drawer.studio(), frame);
     PictureWriter writer(store);
