@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -360,9 +361,14 @@ void draw(const Setting& setting, const Message& job) {
         return drawn;
     };
     const auto use = [&](std::string text) {
+        gl::ProgramCache& programs = studio.executor().programs();
+        const std::uint64_t before = programs.rebuilds();
         gl::replaceKeptShader(setting.exercise.shader, std::move(text));
-        if (const std::optional<std::string> fault = studio.executor().programs().reloadChanged())
+        if (const std::optional<std::string> fault = programs.reloadChanged())
             throw InputError(*fault);
+        // Programs keep what they have while a file is empty, as editors leave it for a moment.
+        if (programs.rebuilds() == before)
+            throw InputError("makes no program: it is empty", setting.exercise.shader);
     };
     const std::vector<Image8> right = pictures();
     use(handoutOf(solution, setting.exercise.shader).text);

@@ -374,7 +374,7 @@ Exercise AccumulationLab::exercise() const {
     exercise.freeKnobs = {"sum"};
     exercise.shader = "passes/accumulate_add.frag";
     exercise.scenes = {{{"time", "1"}}, {{"aperture", "0.3"}}};
-    exercise.shaderKnobs = {{"passes", "12"}};
+    exercise.shaderKnobs = {{"passes", "12"}, {"sum", "weighted"}};
     return exercise;
 }
 

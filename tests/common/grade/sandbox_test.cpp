@@ -92,8 +92,10 @@ TEST(Sandbox, HoldsForThreadsThatWereThereBefore) {
 TEST(Limits, EndAProcessThatComputesTooLong) {
     const int status = statusOf([] {
         limitProcess({.cpuSeconds = 1, .memoryBytes = 1 << 30});
-        for (volatile int i = 0;; i = i + 1) {
+        const std::atomic<bool> forever = true;
+        while (forever) {
         }
+        return 0;
     });
     EXPECT_TRUE(WIFSIGNALED(status));
 }

@@ -43,7 +43,7 @@ TEST_F(Shaders, CostOnlyThemselves) {
     submitText("large/phong.frag", with("float many[1000000]; for (int i = 0; i < 1000000; ++i) many[i] = "
                                         "float(i) * color.r; color.g = many[int(gl_FragCoord.x) * 1000];"));
     Options graded = options();
-    graded.secondsEach = 4;
+    graded.secondsEach = 2;
     gradeClass(entry_, graded);
     const auto records = recordsOf(graded);
     EXPECT_EQ(records.at("solution").points(100), 100);
@@ -56,7 +56,7 @@ TEST_F(Shaders, CostOnlyThemselves) {
     EXPECT_THAT(records.at("syntax").reasons(), Contains(HasSubstr("phong.frag:")));
     EXPECT_THAT(records.at("outside").reasons(), Contains(HasSubstr("outside shaders/")));
     EXPECT_THAT(records.at("forever").reasons(),
-                Contains(HasSubstr("its process was ended: it took more than 4 s of processor time")));
+                Contains(HasSubstr("its process was ended: it took more than 2 s of processor time")));
     EXPECT_LT(records.at("large").points(100), 100);
 }
 
