@@ -15,7 +15,7 @@ namespace quincunx::grade {
 namespace {
 
 constexpr std::size_t window = 5;
-constexpr std::size_t digits = 8;
+constexpr std::size_t digitsOfHash = 8;
 constexpr std::size_t leastShared = 12;
 constexpr std::size_t mostPairs = 500;
 
@@ -80,9 +80,9 @@ std::set<std::string, std::less<>> declaredIn(std::string_view text) {
 
 std::vector<std::uint32_t> numbersOf(const std::string& text) {
     std::vector<std::uint32_t> numbers;
-    for (std::size_t i = 0; i + digits <= text.size(); i += digits)
+    for (std::size_t i = 0; i + digitsOfHash <= text.size(); i += digitsOfHash)
         numbers.push_back(
-            static_cast<std::uint32_t>(std::strtoul(text.substr(i, digits).c_str(), nullptr, 16)));
+            static_cast<std::uint32_t>(std::strtoul(text.substr(i, digitsOfHash).c_str(), nullptr, 16)));
     return numbers;
 }
 
@@ -177,7 +177,7 @@ std::string shaderTokens(std::string_view shader, const std::vector<std::string_
     constexpr std::size_t most = 4000;
     std::string text;
     for (const std::uint32_t shingle : shingles)
-        if (text.size() < most * digits)
+        if (text.size() < most * digitsOfHash)
             text += fmt::format("{:08x}", shingle);
     return text;
 }

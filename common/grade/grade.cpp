@@ -30,7 +30,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t maxJournalBytes = 64 << 20;
-constexpr double pointsOfAll = 100;
 
 std::optional<std::size_t> numberIn(const char* variable) {
     const char* const text = std::getenv(variable);

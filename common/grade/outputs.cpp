@@ -16,12 +16,6 @@ namespace quincunx::grade {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr double pointsOfAll = 100;
-
-std::string pointsText(double points) {
-    return fmt::format("{:.2f}", points);
-}
-
 std::string row(const std::vector<std::string>& fields) {
     std::vector<std::string> quoted;
     quoted.reserve(fields.size());

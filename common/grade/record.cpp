@@ -15,6 +15,10 @@ double Part::of() const {
     return sum;
 }
 
+std::string pointsText(double points) {
+    return fmt::format("{:.2f}", points);
+}
+
 double Part::points() const {
     double sum = 0;
     for (const Line& line : lines)

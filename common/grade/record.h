@@ -17,6 +17,12 @@ struct Line {
     std::string reason;
 };
 
+/// What a submission that is all right has.
+inline constexpr double pointsOfAll = 100;
+
+/// Points as all outputs have them: two digits.
+std::string pointsText(double points);
+
 /// What was graded of a submission: its screenshot or its shader.
 struct Part {
     std::string kind;  ///< "screenshot", "shader"

@@ -15,12 +15,7 @@ namespace quincunx::grade {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr double pointsOfAll = 100;
 constexpr std::uintmax_t maxPictureBytes = 64 << 20;
-
-std::string pointsText(double points) {
-    return fmt::format("{:.1f}", points);
-}
 
 Json pageView(const std::string& title, const std::string& root, std::vector<std::string> scripts) {
     return {{"title", title},
