@@ -7,8 +7,8 @@
 namespace quincunx::grade {
 namespace {
 
-constexpr int viewWidth = 320;
-constexpr int viewHeight = 240;
+constexpr int viewWidth = 200;
+constexpr int viewHeight = 150;
 
 void set(KnobSet& knobs, const KnobValues& values) {
     for (const auto& [name, value] : values)

@@ -261,7 +261,7 @@ void timeClass(const fs::path& root) {
         count, all, flips, all / flips);
 }
 
-int run(bool quick) {
+int runBenchmark(bool quick) {
     const fs::path root = fs::temp_directory_path() / fmt::format("quincunx_bench_grading_{}", getpid());
     const auto same = [](const Image8& image, std::uint64_t) { return image; };
     bool good = gradeKinds("shading",
@@ -285,7 +285,7 @@ int run(bool quick) {
 
 int main(int argc, char** argv) {
     try {
-        return quincunx::run(argc > 1 && std::string(argv[1]) == "--quick");
+        return quincunx::runBenchmark(argc > 1 && std::string(argv[1]) == "--quick");
     } catch (const quincunx::Error& e) {
         std::fprintf(stderr, "%s\n", e.what());
         return static_cast<int>(e.exitStatus());

@@ -21,6 +21,18 @@ namespace quincunx::grade::test {
 
 /// A class of one lab in a folder, graded by the built program's workers.
 class ClassTest : public testing::Test {
+  public:
+    /// The records by student.
+    static std::map<std::string, Record> recordsOf(const Options& options) {
+        std::map<std::string, Record> records;
+        for (const auto& entry : std::filesystem::directory_iterator(options.out / "journal"))
+            if (entry.path().filename() != "class.json") {
+                const Record record = parseRecord(readFile(entry.path(), 1 << 24), entry.path().string());
+                records[record.student] = record;
+            }
+        return records;
+    }
+
   protected:
     explicit ClassTest(const char* lab = "shading") : entry_(findLab(allLabs(), lab)) {}
 
@@ -53,17 +65,6 @@ class ClassTest : public testing::Test {
         writeImage(folder_ / ("class/" + name), picture, metadata);
     }
     void submitText(const std::string& name, const std::string& text) { folder_.file("class/" + name, text); }
-
-    /// The records by student.
-    static std::map<std::string, Record> recordsOf(const Options& options) {
-        std::map<std::string, Record> records;
-        for (const auto& entry : std::filesystem::directory_iterator(options.out / "journal"))
-            if (entry.path().filename() != "class.json") {
-                const Record record = parseRecord(readFile(entry.path(), 1 << 24), entry.path().string());
-                records[record.student] = record;
-            }
-        return records;
-    }
 
     /// All that a call left but the journal: names and bytes.
     static std::map<std::string, std::string> outputsOf(const std::filesystem::path& out) {
