@@ -214,7 +214,7 @@ Piece sweepPiece(std::size_t index, const LabEntry& entry, const SurveyOptions& 
     Lab& lab = drawer.lab();
     const Sweep sweep = lab.sweeps()[index];
     // What is small already is small for a reason.
-    constexpr double leastWidth = 160;
+    constexpr double leastWidth = 120;
     const double scale = std::max(options.sweepScale, std::min(1.0, leastWidth / sweep.width));
     const auto side = [&](int pixels) { return static_cast<int>(std::lround(pixels * scale)); };
     const Frame frame = drawer.studio().frame(lab, side(sweep.width), side(sweep.height));

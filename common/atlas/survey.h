@@ -19,7 +19,7 @@ struct SurveyOptions {
     int steps = 1;            ///< values of a number on either side of its default
     /// Values of a number are left out whose picture would take longer, were its time to grow with the value.
     double patienceSeconds = 1;
-    double sweepScale = 0.4;  ///< of the sizes that sweeps ask for, down to 160 pixels
+    double sweepScale = 0.3;  ///< of the sizes that sweeps ask for, down to 120 pixels
     int planFrames = 2;       ///< that each variant of the plan is timed over
     std::uint64_t stressInputs = 0;
 };
