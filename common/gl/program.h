@@ -44,9 +44,9 @@ struct ShaderSource {
 ShaderSource loadShader(const std::filesystem::path& file,
                         const std::vector<std::pair<std::string, std::string>>& defines = {});
 
-/// Reads all files under shaders/ now, and from then on no file: for processes that may open none. Programs are
-/// built from what was read, and see a file changed when `replaceKeptShader` (its name is relative to shaders/)
-/// has given it another text. Not to be called while other threads build programs.
+/// Reads all files under shaders/ now, and from then on no file: for processes that may open none. Programs
+/// are built from what was read, and see a file changed when `replaceKeptShader` (its name is relative to
+/// shaders/) has given it another text. Not to be called while other threads build programs.
 void keepShadersInMemory();
 void replaceKeptShader(const std::string& name, std::string text);
 

@@ -10,8 +10,8 @@
 
 #include "image/image.h"
 
-/// Picture files. PNG, JPEG, WebP, EXR and Radiance HDR are read, PNG and EXR written, by OpenImageIO. That library
-/// is loaded at the first call that needs it and never otherwise.
+/// Picture files. PNG, JPEG, WebP, EXR and Radiance HDR are read, PNG and EXR written, by OpenImageIO. That
+/// library is loaded at the first call that needs it and never otherwise.
 ///
 /// Files are not believed: the kind is told from the first bytes, never from the name; size and channels are
 /// taken from the header and held against the limits before anything is decoded; a file that ends early is an

@@ -102,8 +102,8 @@ struct Sweep {
     std::function<SweepSample(Studio&, const Frame&)> measure;
 };
 
-/// What an instructor can set on a lab (common/grade): the effects that pictures are held against, and the shader
-/// that a student is to write.
+/// What an instructor can set on a lab (common/grade): the effects that pictures are held against, and the
+/// shader that a student is to write.
 struct Exercise {
     /// Where the pictures with and without it differ, that is the effect: "the highlights", `specular` off.
     struct Effect {

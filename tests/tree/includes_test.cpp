@@ -40,7 +40,8 @@ const std::map<std::string, std::set<std::string>> mayInclude = {
     {"lab", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace"}},
     {"atlas", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab"}},
     {"grade", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab"}},
-    {"cli", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab", "atlas", "grade"}},
+    {"cli",
+     {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "web", "lab", "atlas", "grade"}},
     {"labs", {"base", "math", "geometry", "image", "scene", "graph", "gl", "trace", "passes", "lab"}},
 };
 

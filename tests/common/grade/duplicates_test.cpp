@@ -49,7 +49,8 @@ TEST(Duplicates, AreNotScreenshotsThatAreRight) {
                 IsEmpty());
 }
 
-const char* handout = "#version 330 core\nin vec3 n;\nout vec4 color;\nvoid main() { color = vec4(1.0); }\n";
+const char* emptyTask =
+    "#version 330 core\nin vec3 n;\nout vec4 color;\nvoid main() { color = vec4(1.0); }\n";
 const char* ours =
     "#version 330 core\nin vec3 n;\nout vec4 color;\nvoid main() { color = vec4(max(0.0, dot(n, light))); "
     "}\n";
@@ -64,13 +65,13 @@ std::string own(const std::string& name, const std::string& extra = "") {
 TEST(Duplicates, AreShadersWithOtherNamesAndComments) {
     const auto recordOf = [](const std::string& text) {
         Record record;
-        record.shaderTokens = shaderTokens(text, {handout, ours});
+        record.shaderTokens = shaderTokens(text, {emptyTask, ours});
         return record;
     };
     std::string commented = own("brightness");
     commented.insert(commented.find("void"), "/* all my own\nwork */\n");
     EXPECT_THAT(findPairs({recordOf(own("sum")), recordOf(commented)}), SizeIs(1));
-    EXPECT_THAT(findPairs({recordOf(handout), recordOf(handout)}), IsEmpty());
+    EXPECT_THAT(findPairs({recordOf(emptyTask), recordOf(emptyTask)}), IsEmpty());
     EXPECT_THAT(findPairs({recordOf(ours), recordOf(ours)}), IsEmpty());
     EXPECT_THAT(
         findPairs({recordOf(own("sum")), recordOf("#version 330 core\nin vec3 n;\nout vec4 color;\nvoid "

@@ -17,11 +17,11 @@ using testing::IsEmpty;
 using testing::Not;
 
 TEST(Handouts, HaveTheTaskInPlaceOfTheSolution) {
-    const Handout handout = handoutOf(
+    const Handout handedOut = handoutOf(
         "a;\n    // task: Do it\n    // well.\n    secret;\n    // instead: b;\n    // end of task\nc;\n",
         "x.frag");
-    EXPECT_EQ(handout.text, "a;\n    // TASK: Do it\n    // well.\n    b;\nc;\n");
-    EXPECT_THAT(handout.tasks, ElementsAre("Do it well."));
+    EXPECT_EQ(handedOut.text, "a;\n    // TASK: Do it\n    // well.\n    b;\nc;\n");
+    EXPECT_THAT(handedOut.tasks, ElementsAre("Do it well."));
 }
 
 TEST(Handouts, OfTextWithoutMarksAreThatText) {
@@ -48,10 +48,10 @@ TEST(Handouts, OfTheLabsNameATaskAndLackTheSolution) {
             continue;
         ++count;
         const std::string solution = solutionOf(exercise);
-        const Handout handout = handoutOf(solution, exercise.shader);
-        EXPECT_THAT(handout.tasks, Not(IsEmpty())) << entry.folder();
-        EXPECT_NE(handout.text, solution) << entry.folder();
-        EXPECT_THAT(handout.text, Not(HasSubstr("// instead:"))) << entry.folder();
+        const Handout handedOut = handoutOf(solution, exercise.shader);
+        EXPECT_THAT(handedOut.tasks, Not(IsEmpty())) << entry.folder();
+        EXPECT_NE(handedOut.text, solution) << entry.folder();
+        EXPECT_THAT(handedOut.text, Not(HasSubstr("// instead:"))) << entry.folder();
     }
     EXPECT_GE(count, 10);
 }
