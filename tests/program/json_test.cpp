@@ -72,8 +72,8 @@ TEST_F(ProgramJson, OfSweepHoldsPointsWithErrorTimeAndFront) {
         EXPECT_THAT(names(sweep), UnorderedElementsAre("lab", "sweep", "reference", "metric", "points"));
         ASSERT_FALSE(sweep["points"].empty());
         for (const json& point : sweep["points"])
-            EXPECT_THAT(names(point),
-                        UnorderedElementsAre("knobs", "error", "seconds", "counters", "pareto"));
+            EXPECT_THAT(names(point), UnorderedElementsAre("knobs", "error", "seconds", "seconds_spread",
+                                                           "counters", "pareto"));
     }
 }
 
