@@ -69,7 +69,8 @@ TEST_F(ProgramJson, OfSweepHoldsPointsWithErrorTimeAndFront) {
     ASSERT_TRUE(sweeps.is_array());
     ASSERT_FALSE(sweeps.empty());
     for (const json& sweep : sweeps) {
-        EXPECT_THAT(names(sweep), UnorderedElementsAre("lab", "sweep", "reference", "metric", "points"));
+        EXPECT_THAT(names(sweep), UnorderedElementsAre("lab", "sweep", "title", "reference", "metric",
+                                                       "error_unit", "renderer", "points"));
         ASSERT_FALSE(sweep["points"].empty());
         for (const json& point : sweep["points"])
             EXPECT_THAT(names(point), UnorderedElementsAre("knobs", "error", "seconds", "seconds_spread",
