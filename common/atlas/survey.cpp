@@ -48,6 +48,25 @@ class Drawer {
         return web::withoutAlpha(studio_.picture(lab(), studio_.frame(lab(), width, height)));
     }
 
+    /// Whether a picture of this size would take much longer than `patienceSeconds`, as far as smaller ones
+    /// tell: their time is taken for a part that is fixed and one that grows with the pixels.
+    bool isSlow(int width, int height, double patienceSeconds) {
+        constexpr double muchLonger = 8;
+        const auto seconds = [&](int part) {
+            draw(std::max(width / part, 1), std::max(height / part, 1));
+            return studio_.pictureSeconds();
+        };
+        if (seconds(16) < patienceSeconds / 16)
+            return false;
+        const double small = seconds(16);  // again: the first may have made programs ready
+        if (small < patienceSeconds / 16)
+            return false;
+        const double larger = seconds(8);
+        // In pixels of the small one, the larger has 4 and the whole 256.
+        const double whole = larger + std::max(0.0, larger - small) / 3 * (256 - 4);
+        return whole > muchLonger * patienceSeconds;
+    }
+
   private:
     LabEntry entry_;
     Studio studio_;
@@ -177,6 +196,12 @@ Piece knobPiece(const std::string& name, Drawer& drawer, const SurveyOptions& op
         }
         knob.parse(values[i]);
         try {
+            if (i != start &&
+                drawer.isSlow(options.pictureWidth, options.pictureHeight, options.patienceSeconds)) {
+                result["slow"] = true;
+                lastSeconds = HUGE_VAL;
+                continue;
+            }
             pictures[i] = drawer.draw(options.pictureWidth, options.pictureHeight);
         } catch (const Interrupted&) {
             throw;
@@ -229,7 +254,9 @@ Piece sweepPiece(std::size_t index, const LabEntry& entry, const SurveyOptions& 
     for (const SweepPoint& point : measured.points) {
         throwIfInterrupted();
         lab.knobs().set(point.knobs);
-        pictures.push_back(drawer.draw(pointWidth, pointHeight));
+        const bool slow = drawer.isSlow(pointWidth, pointHeight, options.patienceSeconds);
+        pictures.push_back(slow ? drawer.draw(frame.width, frame.height)
+                                : drawer.draw(pointWidth, pointHeight));
     }
     if (std::all_of(pictures.begin(), pictures.end(),
                     [&](const Image8& picture) { return picture == pictures.front(); }))
@@ -300,7 +327,8 @@ std::vector<Task> surveyOf(const LabEntry& entry, const SurveyOptions& options, 
                          }});
     const std::vector<Sweep> sweeps = lab.sweeps();
     for (std::size_t i = 0; i < sweeps.size(); ++i)
-        tasks.push_back({"sweep_" + sweeps[i].name, fmt::format("{} {}", backend, options.sweepScale),
+        tasks.push_back({"sweep_" + sweeps[i].name,
+                         fmt::format("{} {} {}", backend, options.sweepScale, options.patienceSeconds),
                          sweeps[i].points.size(),
                          [i, entry, options, &store] { return sweepPiece(i, entry, options, store); }});
     tasks.push_back({"stress", fmt::format("{}", options.stressInputs), 1, [entry, options] {

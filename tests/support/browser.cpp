@@ -82,7 +82,7 @@ Browser::Browser(int width, int height) {
     if (!driver_->waitFor("started successfully"))
         throw EnvironmentError("chromedriver did not start", {}, remedy);
     client_ = std::make_unique<httplib::Client>("127.0.0.1", port);
-    client_->set_read_timeout(60 * patienceFactor);
+    client_->set_read_timeout(240 * patienceFactor);  // busy machines start it slowly
     client_->set_keep_alive(true);
 
     const json arguments = {"--headless=new",
