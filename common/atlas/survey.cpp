@@ -67,8 +67,18 @@ class Drawer {
         return whole > muchLonger * patienceSeconds;
     }
 
+    /// By how much pictures of this size are made smaller so that the lab, as it is at first, is not slow.
+    int reduction(int width, int height, double patienceSeconds) {
+        if (reduction_ == 0) {
+            draw(width / 2, height / 2);
+            reduction_ = studio_.pictureSeconds() > patienceSeconds / 4 ? 2 : 1;
+        }
+        return reduction_;
+    }
+
   private:
     LabEntry entry_;
+    int reduction_ = 0;  ///< 0: not known yet
     Studio studio_;
     std::unique_ptr<Lab> lab_;  // goes before its context
 };
@@ -182,6 +192,10 @@ Piece knobPiece(const std::string& name, Drawer& drawer, const SurveyOptions& op
     const auto start = static_cast<std::size_t>(std::find(values.begin(), values.end(), knob.defaultText()) -
                                                 values.begin());
     std::vector<std::optional<Image8>> pictures(values.size());
+    const int reduction =
+        drawer.reduction(options.pictureWidth, options.pictureHeight, options.patienceSeconds);
+    const int width = options.pictureWidth / reduction;
+    const int height = options.pictureHeight / reduction;
     double startSeconds = 0;
     double lastSeconds = 0;
     for (const std::size_t i : drawingOrder(values.size(), start)) {
@@ -196,13 +210,12 @@ Piece knobPiece(const std::string& name, Drawer& drawer, const SurveyOptions& op
         }
         knob.parse(values[i]);
         try {
-            if (i != start &&
-                drawer.isSlow(options.pictureWidth, options.pictureHeight, options.patienceSeconds)) {
+            if (i != start && drawer.isSlow(width, height, options.patienceSeconds)) {
                 result["slow"] = true;
                 lastSeconds = HUGE_VAL;
                 continue;
             }
-            pictures[i] = drawer.draw(options.pictureWidth, options.pictureHeight);
+            pictures[i] = drawer.draw(width, height);
         } catch (const Interrupted&) {
             throw;
         } catch (const InputError& e) {  // a setting that needs others beside it
